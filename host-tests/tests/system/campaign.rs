@@ -102,13 +102,19 @@ fn what_is_trained_is_what_flies() {
 fn goals_and_sizes_are_sound() {
     assert!(Goal::AtMost(1.0).met(1.0) && !Goal::AtMost(1.0).met(1.01));
     assert!(Goal::AtLeast(99.0).met(99.0) && !Goal::AtLeast(99.0).met(98.0));
-    let settings = Settings { repetitions: 3, first: 0, traces: 20, false_alarms: false };
-    assert_eq!(settings.steps(), 3 * experiments::all(20).len() + 4);
+    let settings = Settings { repetitions: 3, first: 0, traces: 20, false_alarms: false, only: vec![] };
+    assert_eq!(settings.steps().expect("all experiments"), 3 * experiments::all(20).len() + 3);
+    let longer = Settings { repetitions: 20, only: vec!["mix".into(), "load-1.33".into()], ..settings };
+    let names: Vec<String> =
+        experiments::named(20, &longer.only).expect("two conditions").into_iter().map(|own| own.name).collect();
+    assert!(names.iter().all(|name| ["MIX", "mix", "load-1.33"].iter().any(|own| name.starts_with(own))), "{names:?}");
+    assert!(names.contains(&"MIX".into()) && names.contains(&"load-1.33: load of 0.20 N·m".into()), "{names:?}");
+    assert_eq!(longer.steps().expect("two conditions"), 20 * names.len() + 4);
 }
 
 /// The rows that the campaign prints for the figures.
 fn printed(figures: Vec<Figure>) -> String {
-    let settings = Settings { repetitions: 20, first: 0, traces: 20, false_alarms: false };
+    let settings = Settings { repetitions: 20, first: 0, traces: 20, false_alarms: false, only: vec![] };
     render::text(&Findings { settings, figures, alarms: vec![], rates: vec![] })
 }
 

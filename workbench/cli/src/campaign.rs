@@ -19,6 +19,7 @@ use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   bearing-watch campaign --repetitions 20 --report campaign.html --out campaign.csv
+  bearing-watch campaign --quick --only mix,amplitude-2 --repetitions 4
   bearing-watch campaign --field --draws 20
   bearing-watch campaign --field --draws 2 --only mix,temperature,field-sine --json
   bearing-watch campaign --field --bounds --draws 1
@@ -52,8 +53,8 @@ pub(super) struct Args {
     /// The actuator instead of the DC motor: phase currents and resolver counts to verdicts
     #[arg(long, conflicts_with_all = ["field", "quick", "report"])]
     ema: bool,
-    /// Only these rows of the field
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
+    /// Only these rows of the field, or of the standard rig the experiments of these conditions
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["ema", "healthy_sets"])]
     only: Vec<String>,
     /// What one record can tell: bounds of an ideal detector, beside what is found
     #[arg(long, requires = "field", conflicts_with = "out")]
@@ -103,8 +104,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         return Err(Error::Usage("--default is for --field or --ema; the standard rig has one configuration".into()));
     }
     let Args { repetitions, first, traces, .. } = *args;
-    let settings = Settings { repetitions, first, traces, false_alarms: !args.quick };
-    let bar = output::progress("campaign", settings.steps());
+    let settings = Settings { repetitions, first, traces, false_alarms: !args.quick, only: args.only.clone() };
+    let bar = output::progress("campaign", settings.steps()?);
     let findings = campaign(settings, || bar.inc(1))?;
     bar.finish_and_clear();
     let contents = [output::csv(&render::tidy(&findings))?, page(&findings)];

@@ -1,5 +1,6 @@
 //! `bearing-watch simulate`
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -64,13 +65,24 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::say(format!("{} traces and labels.csv in {}", rows.len(), args.out.display()))
 }
 
+/// Usual length of a cell with its comma.
+const CELL: usize = 13;
+
 /// Returns columns of the same length as CSV.
 fn csv(columns: &Table) -> String {
     let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-    let mut out = names.join(",") + "\n";
-    for k in 0..columns.first().map_or(0, |(_, column)| column.len()) {
-        let cells: Vec<String> = columns.iter().map(|(_, column)| column[k].to_string()).collect();
-        out.push_str(&cells.join(","));
+    let rows = columns.first().map_or(0, |(_, column)| column.len());
+    let mut out = names.join(",");
+    out.push('\n');
+    // Without a string for each cell, which would take half the time of a simulation.
+    out.reserve(CELL * columns.len() * rows);
+    for k in 0..rows {
+        for (place, (_, column)) in columns.iter().enumerate() {
+            if place > 0 {
+                out.push(',');
+            }
+            let _string_grows = write!(out, "{}", column[k]);
+        }
         out.push('\n');
     }
     out

@@ -31,7 +31,8 @@ fn wrong_arguments_are_refused() {
     let dir = folder.path();
     refuse(dir, "campaign --field --only slipp", &["no row slipp; there are mix, temperature"]);
     refuse(dir, "campaign --field --features drag_scores", &["no drag_scores in this model"]);
-    refuse(dir, "campaign --only slip", &["--field"]);
+    refuse(dir, "campaign --only slip", &["no row slip; there are standard, mix, amplitude-0.5"]);
+    refuse(dir, "campaign --ema --only mix", &["cannot be used with"]);
     for other in ["--quick", "--traces 20", "--bounds --report page.html"] {
         refuse(dir, &format!("campaign --field {other}"), &["cannot be used with"]);
     }

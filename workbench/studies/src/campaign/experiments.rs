@@ -1,5 +1,6 @@
 //! Definitions of the experiments: training set, test set and counted outcome.
 
+use model::Error;
 use rig::{Condition, Defect, DefectKind};
 
 /// Goal for a rate, percent.
@@ -76,6 +77,13 @@ pub struct Experiment {
     pub goal: Option<Goal>,
 }
 
+impl Experiment {
+    /// What the name starts with: the condition of the test records.
+    fn condition(&self) -> &str {
+        self.name.split([':', ',']).next().unwrap_or_default()
+    }
+}
+
 const STANDARD: Condition = Condition::STANDARD;
 const MIX: Condition = Condition::MIX;
 const HEALTHY: Defect = Defect::HEALTHY;
@@ -94,6 +102,26 @@ pub fn all(count: u32) -> Vec<Experiment> {
     all.extend(isolation(count));
     all.extend(unseen(count));
     all
+}
+
+/// The experiments of these conditions, which are what their names start with, up to a colon or a comma; all experiments
+/// if there is no name.
+///
+/// # Errors
+/// [`Error::Usage`] if no experiment has one of the names.
+pub fn named(count: u32, names: &[String]) -> Result<Vec<Experiment>, Error> {
+    let all = all(count);
+    if let Some(name) = names.iter().find(|name| !all.iter().any(|own| own.condition().eq_ignore_ascii_case(name))) {
+        let mut known: Vec<String> = Vec::new();
+        for condition in all.iter().map(|own| own.condition().to_lowercase()) {
+            if !known.contains(&condition) {
+                known.push(condition);
+            }
+        }
+        return Err(Error::Usage(format!("--only: no row {name}; there are {}", known.join(", "))));
+    }
+    let is_wanted = |own: &Experiment| names.iter().any(|name| own.condition().eq_ignore_ascii_case(name));
+    Ok(all.into_iter().filter(|own| names.is_empty() || is_wanted(own)).collect())
 }
 
 /// Healthy, spall, roughness at full size.

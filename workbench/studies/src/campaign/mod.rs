@@ -29,7 +29,7 @@ pub use seeds::{Purpose, SeedKey};
 pub use sets::{Cell, Recording, map_traces, record};
 
 /// Size of a campaign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Number of draws of training and validation sets.
     pub repetitions: u32,
@@ -39,6 +39,8 @@ pub struct Settings {
     pub traces: u32,
     /// If true, the false-alarm rates of many gates are measured as well.
     pub false_alarms: bool,
+    /// Conditions whose experiments are run; all if there is none. See [`experiments::named`].
+    pub only: Vec<String>,
 }
 
 /// One experiment over all repetitions.
@@ -94,32 +96,39 @@ pub struct Findings {
 const RATES: [f64; 2] = [1e-2, 1e-3];
 /// Arguments of [`alarms::false_alarms`]: draws, healthy training traces per draw, test traces per draw.
 const GATES: (u32, u32, u32) = (20, 200, 2000);
-/// Number of records in a sequence, and number of repetitions.
+/// Number of records in a sequence, and number of repetitions, if the campaign has as many.
 const SEQUENCE: (usize, u32) = (5, 4);
 
 impl Settings {
     /// Number of progress steps.
-    #[must_use]
-    pub fn steps(&self) -> usize {
+    ///
+    /// # Errors
+    /// Same as [`experiments::named`].
+    pub fn steps(&self) -> Result<usize, Error> {
         let gates = if self.false_alarms { 2 * GATES.0 } else { 0 };
-        self.repetitions as usize * experiments::all(self.traces).len() + (SEQUENCE.1 + gates) as usize
+        let experiments = experiments::named(self.traces, &self.only)?.len();
+        Ok(self.repetitions as usize * experiments + (self.sequences() + gates) as usize)
+    }
+
+    /// Number of repetitions of the sequences of records.
+    fn sequences(&self) -> u32 {
+        SEQUENCE.1.min(self.repetitions)
     }
 }
 
 /// Runs a campaign; `done` is called once per step.
 ///
 /// # Errors
-/// Returns an error if simulation, training or embedding fails.
+/// Returns an error if simulation, training or embedding fails, or if no experiment has one of the names.
 pub fn campaign(settings: Settings, done: impl Fn()) -> Result<Findings, Error> {
-    let experiments = experiments::all(settings.traces);
+    let experiments = experiments::named(settings.traces, &settings.only)?;
     let mut figures: Vec<Figure> =
         experiments.iter().map(|experiment| Figure { experiment: experiment.clone(), counts: vec![] }).collect();
     for repetition in settings.first..settings.first + settings.repetitions {
         let counts = run::repetition(&experiments, (repetition, settings.traces), &done)?;
         figures.iter_mut().zip(counts).for_each(|(figure, count)| figure.counts.push(count));
     }
-    let (length, repetitions) = SEQUENCE;
-    let alarms = alarms::alarms(repetitions, settings.traces, length, &done)?;
+    let alarms = alarms::alarms(settings.sequences(), settings.traces, SEQUENCE.0, &done)?;
     let mut rates = vec![];
     if settings.false_alarms {
         for condition in [rig::Condition::STANDARD, rig::Condition::MIX] {

@@ -136,6 +136,8 @@ fn judge(
 ) -> Result<Count, Error> {
     let mut count = Count { counted: 0, judged: 0, literal: None };
     let classes = &experiment.training.classes;
+    // If the source's method judges the same records.
+    let by_literal = experiment.judge == Judge::Error && experiment.records == 1 && classes.len() == 3;
     let mut judged: Vec<LabelledTrace> = Vec::new();
     for (condition, defect) in &experiment.tests {
         let truth = classes.iter().position(|class| class.kind == defect.kind);
@@ -146,9 +148,11 @@ fn judge(
             count.judged += 1;
             count.counted += usize::from(counts(experiment.judge, model.combine(&together), truth));
         }
-        judged.extend(set.iter().map(|t| LabelledTrace { trace: t.trace.clone(), class: truth.unwrap_or(0) }));
+        if by_literal {
+            judged.extend(set.iter().map(|t| LabelledTrace { trace: t.trace.clone(), class: truth.unwrap_or(0) }));
+        }
     }
-    if experiment.judge == Judge::Error && experiment.records == 1 && classes.len() == 3 {
+    if by_literal {
         // If the source's method cannot estimate a model, it has no error rate.
         let outcome = literal::validate(training, &judged, &class_names(classes), REFERENCE_ORDER);
         count.literal = outcome.ok().map(|outcome| outcome.all_classes.error_rate().value);

@@ -92,27 +92,31 @@ pub(super) fn tail(terms: &[(f64, f64)], limit: f64) -> f64 {
         return beyond(far - shift) + beyond(far + shift);
     }
     let largest = terms.iter().map(|(w, _)| *w).fold(0.0, f64::max);
+    // Alone, since the search needs no logarithm.
+    let slope = |t: f64| {
+        let each = |(w, shift): &(f64, f64)| {
+            let u = 1.0 - 2.0 * w * t;
+            w / u + w * shift / (u * u)
+        };
+        terms.iter().map(each).sum::<f64>()
+    };
     let cumulant = |t: f64| {
         let each = |(w, shift): &(f64, f64)| {
             let u = 1.0 - 2.0 * w * t;
-            (
-                -0.5 * u.ln() + w * shift * t / u,
-                w / u + w * shift / (u * u),
-                2.0 * w * w / (u * u) + 4.0 * w * w * shift / (u * u * u),
-            )
+            (-0.5 * u.ln() + w * shift * t / u, 2.0 * w * w / (u * u) + 4.0 * w * w * shift / (u * u * u))
         };
-        terms.iter().map(each).fold((0.0, 0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1, sum.2 + term.2))
+        terms.iter().map(each).fold((0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1))
     };
     // The derivative of the cumulant generating function rises from 0 at −∞ to +∞ at 1/(2 w).
     let pole = 0.5 / largest;
-    let beyond_mean = limit > cumulant(0.0).1;
+    let beyond_mean = limit > slope(0.0);
     let (mut low, mut high) = if beyond_mean { (0.0, pole) } else { (-1e6 * pole, 0.0) };
     for _ in 0..if beyond_mean { 40 } else { 60 } {
         let middle = 0.5 * (low + high);
-        if cumulant(middle).1 < limit { low = middle } else { high = middle }
+        if slope(middle) < limit { low = middle } else { high = middle }
     }
     let t = low;
-    let (value, _, curvature) = cumulant(t);
+    let (value, curvature) = cumulant(t);
     let r = (2.0 * (t * limit - value)).max(0.0).sqrt().copysign(t);
     if r.abs() < 1e-3 {
         return 0.5;
