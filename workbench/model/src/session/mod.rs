@@ -20,6 +20,7 @@ mod judging;
 mod log;
 mod model_file;
 mod notes;
+mod precision;
 mod saved;
 mod selection;
 mod sources;

@@ -35,6 +35,8 @@ pub struct Training {
     /// Traces that the settings hold out.
     pub(super) held_out: Option<(Vec<LabelledTrace>, Groups)>,
     pub(super) notes: Notes,
+    /// What is doubtful about its precision.
+    pub(super) doubt: Option<String>,
 }
 
 impl Training {

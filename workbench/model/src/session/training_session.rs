@@ -14,6 +14,7 @@ use super::held_out::{Found, Held, evaluate};
 use super::judging::prepare;
 use super::log::Log;
 use super::notes::Notes;
+use super::precision;
 use super::selection::Selection;
 use super::sources::read_by;
 use super::temperatures::{Temperatures, covariates};
@@ -75,6 +76,7 @@ impl Session {
         }
         training.trained.automatic.iter_mut().for_each(|automatic| automatic.temperatures.clone_from(&temperatures.0));
         chosen::report(&training.trained, &self.settings);
+        log.warn(training.doubt.clone());
         log.warn(description::of_host(training.host, &training.description));
         Ok(training)
     }
@@ -106,6 +108,7 @@ impl Session {
         let Traces { classes, training, prepared, recipe } = traces;
         let held_out = self.held_out((&classes, &training), &recipe)?;
         let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
+        let doubt = precision::doubt(&trained, &prepared);
         // On the traces as the shaft was trained, before block means move into the detector.
         let orders = Orders::of(&trained, &prepared)?;
         let host = embed_block_mean(&mut trained, self.preparation, &training);
@@ -116,7 +119,7 @@ impl Session {
         let notes = Notes::new(&channels, host, &trained, (ids, units), self.drive.clone());
         let notes = notes.with_contents(training.iter().map(|t| content(&t.trace)).collect());
         let bytes = trained.to_bytes(&notes.to_text())?;
-        Ok(Training { trained, bytes, channels, training, prepared, description, host, orders, held_out, notes })
+        Ok(Training { trained, bytes, channels, training, prepared, description, host, orders, held_out, notes, doubt })
     }
 
     /// The columns that are temperatures, if training may take them as covariates: it chooses the features of a shaft,

@@ -68,6 +68,23 @@ pub struct Trace {
     pub missing: Missing,
 }
 
+impl Trace {
+    /// Its first rows, or all of a shorter one.
+    #[must_use]
+    pub fn first_rows(&self, rows: usize) -> Self {
+        let rows = rows.min(self.y.len());
+        let part = |column: &Vec<f64>| column[..rows].to_vec();
+        Self {
+            y: part(&self.y),
+            u1: part(&self.u1),
+            u2: part(&self.u2),
+            motion: self.motion.as_ref().map(|motion| motion.cut(0, rows)),
+            further: self.further.iter().map(part).collect(),
+            ..self.clone()
+        }
+    }
+}
+
 /// The columns of the three signals: a column's name, or a formula of columns such as `a-b`, `0.5*(a + b)`,
 /// `speed_rpm rad/s` or `integrate(speed_rpm) rad`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -71,7 +71,7 @@ impl Default for Estimation {
 impl Estimation {
     /// Returns whether batch least squares on each segment computes the same estimate as the core: it has no
     /// instruments, no memory beyond the segment, no weights and no tests of the sensors.
-    pub(super) fn is_batch(&self) -> bool {
+    pub(crate) fn is_batch(&self) -> bool {
         let Self { method, huber, saturation, stuck, memory, .. } = self;
         *method == Method::LeastSquares && *huber <= 0.0 && saturation.is_none() && *stuck == 0 && memory.is_none()
     }
