@@ -58,6 +58,16 @@
 #define BW_KEY_SIZE 32
 #endif
 
+#if defined(BEARING_WATCH_SIGNATURE)
+// Bytes of a drive's key.
+#define BW_STATE_KEY_SIZE 32
+#endif
+
+#if defined(BEARING_WATCH_SIGNATURE)
+// Bytes that `bw_seal` adds to a state.
+#define BW_SEAL_SIZE 48
+#endif
+
 // Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 // exactly is needed.
 #define BW_STATE_SIZE 21504
@@ -520,6 +530,16 @@ typedef struct BwSigned {
 } BwSigned;
 #endif
 
+#if defined(BEARING_WATCH_SIGNATURE)
+// A state that was sealed with the key of the drive.
+typedef struct BwSealed {
+  // Bytes of the state, for `bw_restore`.
+  size_t state_length;
+  // Its number.
+  uint32_t sequence;
+} BwSealed;
+#endif
+
 // The verdict on one segment.
 typedef struct BwReport {
   // Number of the segment since `bw_init` or `bw_reset`; the first is 1.
@@ -828,6 +848,39 @@ BwCode bw_verify_model(const uint8_t *bytes,
                        size_t key_count,
                        uint32_t least_counter,
                        struct BwSigned *signed_model);
+#endif
+
+#if defined(BEARING_WATCH_SIGNATURE)
+// Adds an authentication code (HMAC-SHA-256) to the state that `bw_save` wrote into the first `length` of `capacity`
+// bytes; `sealed_length` is then `length + BW_SEAL_SIZE`. `key` has `BW_STATE_KEY_SIZE` random bytes, others in each
+// drive. `sequence` is the number of the record, or any that rises.
+//
+// Returns `BW_CODE_OK`, or `BW_CODE_BUFFER_TOO_SMALL` if the code does not fit; nothing is then written.
+//
+// # Safety
+// `bytes` is NULL or has `capacity` writable bytes. `key` is NULL or readable. `sealed_length` is NULL or writable.
+BwCode bw_seal(uint8_t *bytes,
+               size_t length,
+               size_t capacity,
+               const uint8_t (*key)[BW_STATE_KEY_SIZE],
+               uint32_t sequence,
+               size_t *sealed_length);
+#endif
+
+#if defined(BEARING_WATCH_SIGNATURE)
+// Checks a state and the code of `bw_seal` behind it, before `bw_restore`; the first `state_length` bytes are then the
+// state. `least_sequence` is the number of the newest state that was written, kept where an attacker cannot write it
+// back, or 0.
+//
+// Returns `BW_CODE_OK` or a `BW_CODE_SIGNATURE_…`; `sealed` is then unchanged.
+//
+// # Safety
+// `bytes` is NULL or has `length` readable bytes. `key` is NULL or readable. `sealed` is NULL or writable.
+BwCode bw_open(const uint8_t *bytes,
+               size_t length,
+               const uint8_t (*key)[BW_STATE_KEY_SIZE],
+               uint32_t least_sequence,
+               struct BwSealed *sealed);
 #endif
 
 // Returns the number of bytes of memory that `bw_init` needs: with a plan of its own a library needs less.

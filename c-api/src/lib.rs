@@ -11,6 +11,7 @@
 //!              bw_adopt                     its estimate becomes the next auxiliary model (interrupt masked)
 //!              bw_alarm                     the evidence of all segments
 //!              bw_save, bw_restore          the same as bytes, which survive power-off
+//!              bw_seal, bw_open             these bytes under a key of the drive (feature `signature`)
 //! or at once   bw_step                      a sample; now and then BW_CODE_REPORT
 //!
 //! bw_front_end_init    memory of the caller, constants ─► front end, for drives without Clarke, Park and decimation
@@ -86,7 +87,9 @@ pub use report::{BwPart, BwReason, BwReport, BwValues, BwVerdict, bw_report, bw_
 pub use sampling::{bw_angle, bw_collect, bw_discard, bw_pending, bw_restart, bw_step};
 pub use saved::{bw_restore, bw_save, bw_saved_size};
 #[cfg(feature = "signature")]
-pub use signature::{BW_KEY_SIZE, BwSigned, bw_verify_model};
+pub use signature::{
+    BW_KEY_SIZE, BW_SEAL_SIZE, BW_STATE_KEY_SIZE, BwSealed, BwSigned, bw_open, bw_seal, bw_verify_model,
+};
 pub use solving::{bw_adopt, bw_advance, bw_conclude};
 pub use state::{BW_STATE_ALIGN, BW_STATE_SIZE, BwState, bw_init, bw_state_size};
 pub use telemetry::{

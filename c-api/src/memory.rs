@@ -121,6 +121,20 @@ pub(crate) unsafe fn elements<'a, T>(first: *const T, count: usize) -> Outcome<&
     Ok(unsafe { core::slice::from_raw_parts(first, count) })
 }
 
+/// Elements at an address, to be written.
+///
+/// # Errors
+/// As [`check`].
+///
+/// # Safety
+/// The address is NULL, or that of `count` writable elements that live as long as the result, and no other reference to
+/// them does.
+pub(crate) unsafe fn elements_mut<'a, T>(first: *mut T, count: usize) -> Outcome<&'a mut [T]> {
+    check(first)?;
+    // SAFETY: aligned, and writable by the contract.
+    Ok(unsafe { core::slice::from_raw_parts_mut(first, count) })
+}
+
 /// Reads a value at an address.
 ///
 /// # Errors

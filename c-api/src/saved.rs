@@ -3,7 +3,7 @@
 use bearing_watch::StateError;
 
 use crate::code::{BwCode, code};
-use crate::memory::{at, check, elements, put};
+use crate::memory::{at, check, elements, elements_mut, put};
 use crate::state::BwState;
 
 /// Gives the number of bytes that `bw_save` writes for the model of this state.
@@ -36,7 +36,7 @@ pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: 
             return Err(BwCode::BufferTooSmall);
         }
         // SAFETY: writable by the contract; no other reference to them exists during this call.
-        let buffer = unsafe { core::slice::from_raw_parts_mut(bytes, state.model.saved_len()) };
+        let buffer = unsafe { elements_mut(bytes, state.model.saved_len()) }?;
         state.settled(|solving| state.model.save(&solving.evidence, None, buffer))?.map_err(refusal)?;
         Ok(BwCode::Ok)
     }))
