@@ -10,6 +10,8 @@ from typing import Any, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
+from bearing_watch import _core, _times
+
 #: A file or folder.
 Path = Union[str, "PathLike[str]"]
 #: Columns by name: a mapping of arrays, or a table of pandas, polars or pyarrow.
@@ -62,14 +64,19 @@ def vector(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
 
 
 def _cells(values: Any) -> Any:
-    """Return a column as an array of float64, a list of texts, or the name of the type of other cells."""
-    own = array(values)
+    """Return a column as an array of float64, a list of texts, times, or the name of the type of other cells."""
+    own = array(_times.of_pandas(values))
     if own.ndim == 1 and own.dtype.kind in NUMBERS:
         return np.ascontiguousarray(own, dtype=np.float64)
+    if own.ndim == 1 and own.dtype.kind in "Mm":
+        return _times.of_array(own)
     if own.ndim == 1 and own.dtype.kind in "UTO":
         cells = [None if _is_missing(cell) else cell for cell in own.tolist()]
         if all(cell is None or isinstance(cell, str) for cell in cells):
-            return ["" if cell is None else cell for cell in cells]
+            return ["" if cell is None else str(cell) for cell in cells]
+        times = _times.of_objects(own, [cell is None for cell in cells])
+        if times is not None:
+            return times
     return f"{own.dtype} in {own.ndim} dimensions"
 
 
@@ -80,34 +87,28 @@ def _is_missing(cell: Any) -> bool:
 
 def _is_mapping(table: Any) -> bool:
     # pandas offers Arrow only where pyarrow is installed; its columns are arrays anyway.
-    return isinstance(table, Mapping) or type(table).__module__.split(".")[0] == "pandas"
+    is_of_pandas = type(table).__module__.split(".")[0] == "pandas"
+    return isinstance(table, Mapping) or (is_of_pandas and hasattr(table, "columns"))
 
 
-#: Names of a column of times, as of files.
-_TIMES = ("t", "time", "timestamp", "zeit", "temps")
-
-
-def _is_time(name: str) -> bool:
-    return name.lower().split("_")[0] in _TIMES
+def _is_table(given: Any) -> bool:
+    # Single columns of pandas, polars and pyarrow have Arrow streams too.
+    is_column = hasattr(given, "dtype") or (hasattr(given, "type") and not hasattr(given, "schema"))
+    return _is_mapping(given) or (hasattr(given, "__arrow_c_stream__") and not is_column)
 
 
 def _timed(given: Any, columns: dict[str, Any]) -> dict[str, Any]:
     """Return the columns with the times of the index of a frame, unless they have times."""
     index: Any = getattr(given, "index", None)
-    kind = getattr(getattr(index, "dtype", None), "kind", "")
-    if isinstance(given, Mapping) or kind not in ("M", "m", "f") or any(map(_is_time, columns)):
+    if isinstance(given, Mapping) or any(map(_core.is_time, columns)):
         return columns
-    own = index.name if isinstance(getattr(index, "name", None), str) else None
-    if kind == "f":
-        if own is not None and not _is_time(own):
-            return columns
-        return {own or "t_s": np.ascontiguousarray(index, dtype=np.float64), **columns}
-    # Dates and durations: to nanoseconds without a time zone, so that seconds from the first are exact.
-    if getattr(index, "tz", None) is not None:
-        index = index.tz_convert("UTC").tz_localize(None)
-    times = np.asarray(index).astype(f"{kind}8[ns]").astype(np.int64)
-    seconds = (times - times[0]) / 1e9 if len(times) else times.astype(np.float64)
-    return {"t_s": np.ascontiguousarray(seconds, dtype=np.float64), **columns}
+    # Periods are points of time, their beginnings.
+    index = index.to_timestamp() if hasattr(index, "to_timestamp") else index
+    kind = getattr(getattr(index, "dtype", None), "kind", "")
+    own = index.name if isinstance(getattr(index, "name", None), str) else "t_s"
+    if kind in ("M", "m"):
+        return {"t_s": _cells(index), **columns}
+    return {own: _cells(index), **columns} if kind == "f" and _core.is_time(own) else columns
 
 
 def table(given: Table) -> Any:
@@ -119,7 +120,11 @@ def table(given: Table) -> Any:
                 raise ValueError(f"two columns are named {name}; rename or drop one")
             columns[str(name)] = _cells(values)
         return _timed(given, columns)
-    if hasattr(given, "__arrow_c_stream__"):
+    if _is_table(given):
+        for name in getattr(given, "columns", ()):
+            # At such a name the stream of polars ends the process.
+            if isinstance(name, str) and "\0" in name:
+                raise ValueError(f"the name of column {name!r} has a null character; rename it")
         return given
     raise TypeError(f"a table is a mapping of columns or an Arrow table, not {type(given).__name__}")
 
@@ -137,10 +142,10 @@ def traces(given: Optional[Traces]) -> tuple[Optional[list[str]], Optional[list[
         return [path], None
     if isinstance(given, Mapping):
         tables = [(str(name), own) for name, own in given.items()]
-        if any(not (_is_mapping(own) or hasattr(own, "__arrow_c_stream__")) for _, own in tables):
+        if not all(_is_table(own) for _, own in tables):
             return None, [("traces", table(given))]
         return None, [(name, table(own)) for name, own in tables]
-    if isinstance(given, Sequence) and not hasattr(given, "__arrow_c_stream__"):
+    if isinstance(given, Sequence) and not _is_table(given):
         paths = [path for path in map(_path, given) if path is not None]
         if len(paths) == len(given):
             return paths, None

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{Origin, Part, Plan};
+use crate::{Origin, Plan, plan_of};
 use model::Error;
 use model::session::{Selection, prepare};
 use model::settings::Settings;
@@ -16,7 +16,7 @@ pub(super) fn known(
     (channels, preparation): (&Channels, Preparation),
     shaft: Option<&ShaftPlan>,
 ) -> Result<Plan, Error> {
-    let plan = Part::open(path)?.plan;
+    let plan = plan_of(path)?;
     let (model, by) = (&settings.model, &settings.validation);
     let differs = [
         ("the channels", plan.channels != *channels),
