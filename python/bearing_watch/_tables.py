@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike, fspath
@@ -60,14 +61,21 @@ def vector(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         raise ValueError(f"{name} has {own.ndim} dimensions; give one value a sample, shape (n,)")
     if own.dtype.kind not in NUMBERS:
         raise TypeError(f"{name} holds {own.dtype}; give numbers")
-    return np.ascontiguousarray(own, dtype=np.float64)
+    return aligned(own)
+
+
+def aligned(values: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+    """Return an array as one of float64 in one piece of memory, each at an address that processors take."""
+    found: npt.NDArray[np.float64] = np.require(values, np.float64, ["C", "A"])
+    # NumPy calls an array without values aligned wherever it is.
+    return found if len(found) else np.empty(found.shape)
 
 
 def _cells(values: Any) -> Any:
     """Return a column as an array of float64, a list of texts, times, or the name of the type of other cells."""
     own = array(_times.of_pandas(values))
     if own.ndim == 1 and own.dtype.kind in NUMBERS:
-        return np.ascontiguousarray(own, dtype=np.float64)
+        return aligned(own)
     if own.ndim == 1 and own.dtype.kind in "Mm":
         return _times.of_array(own)
     if own.ndim == 1 and own.dtype.kind in "UTO":
@@ -188,8 +196,39 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, (np.generic, np.ndarray)) else value
 
 
+def real(name: str, value: Any) -> float:
+    """Return a number."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, ArithmeticError):
+        raise TypeError(f"{name} is a number, not {value!r:.60}") from None
+
+
+def whole(name: str, value: Any, least: int = -(2**63)) -> int:
+    """Return a whole number of at most 63 bits."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is a whole number, not {value!r:.60}") from None
+    if not least <= number < 2**63:
+        text = str(number) if abs(number) < 10**20 else "a number of more than 20 digits"
+        raise ValueError(f"{name} is {text}: no such number is possible")
+    return number
+
+
 def order_text(order: Any) -> str:
     """Return na, nb, nc, nkb, nkc as text."""
     if isinstance(order, str):
         return order
-    return ",".join(str(_plain(number)) for number in order)
+    return ",".join(map(str, order_numbers(order)))
+
+
+def order_numbers(order: Any) -> list[int]:
+    """Return na, nb, nc, nkb, nkc."""
+    try:
+        numbers = [whole("a number of an order", number) for number in order]
+    except TypeError:
+        numbers = []
+    if len(numbers) != 5 or not all(0 <= number <= 32 for number in numbers):
+        raise ValueError(f"{order!r:.80}: an order is na, nb, nc, nkb, nkc, whole numbers from 0 to 32")
+    return numbers

@@ -48,7 +48,12 @@ def of_array(values: npt.NDArray[Any]) -> Times:
     units = values.astype(f"{values.dtype.kind}8[{target}]")
     if (count, target) != (1, unit) and not np.array_equal(units.astype(values.dtype), values, equal_nan=True):
         raise ValueError(f"times in {values.dtype} are outside of what 64 bits hold in {target}")
-    return kind, _PARTS[target], np.ascontiguousarray(units).view(np.int64)
+    return kind, _PARTS[target], _aligned(units)
+
+
+def _aligned(units: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+    found = np.require(units, requirements=["C", "A"]).view(np.int64)
+    return found if len(found) else np.empty(0, dtype=np.int64)
 
 
 def of_objects(cells: npt.NDArray[Any], missing: list[bool]) -> Union[Times, str, None]:
@@ -74,7 +79,10 @@ def of_objects(cells: npt.NDArray[Any], missing: list[bool]) -> Union[Times, str
         if zoned is not None and has_zone != zoned:
             return f"times with and without a time zone (row {row + 1})"
         zoned = has_zone
-        units[row] = _microseconds(cell)
+        try:
+            units[row] = _microseconds(cell)
+        except OverflowError:
+            return f"times that 64 bits do not hold (row {row + 1})"
         nanoseconds[row] = getattr(cell, "nanosecond", 0) or getattr(cell, "nanoseconds", 0)
     if first is None:
         return None

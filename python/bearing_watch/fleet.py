@@ -17,7 +17,7 @@ from pathlib import Path as _File
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from bearing_watch import _core
-from bearing_watch._tables import Labels, Path, drive_and_options, warn
+from bearing_watch._tables import Labels, Path, drive_and_options, warn, whole
 
 if TYPE_CHECKING:
     from bearing_watch._options import Features as FeaturesOptions
@@ -122,7 +122,7 @@ def sum_on(
     pathlib.Path
         The sums of all parts.
     """
-    if branch < 2:
+    if whole("branch", branch) < 2:
         raise ValueError(f"branch is {branch}; give at least 2")
     if not parts:
         raise ValueError("no part is given")
