@@ -43,9 +43,10 @@ def features(
     labels : path_like, optional
         The labels; by default those of the drive file.
     out : path_like
-        The part, a Parquet file.
+        The part, a Parquet file. Its plan is also written beside it, as ``NAME.plan.json``, by which the part stays one
+        if another program writes it again without its metadata.
     **options
-        The options of the command: ``unit="drive"``, ``plan="a.parquet"`` …
+        The options of the command: ``unit="drive"``, ``plan="a.plan.json"`` …
 
     Returns
     -------
@@ -62,7 +63,7 @@ def features_sum(parts: Parts, *, out: Path, **options: Unpack[FeaturesSumOption
     Parameters
     ----------
     parts : path_like or sequence of path_like
-        Parts, and sums.
+        Parts and sums, and folders of them.
     out : path_like
         The sums.
     **options
@@ -82,7 +83,7 @@ def train_features(parts: Parts, *, model: Path, **options: Unpack[TrainFeatures
     Parameters
     ----------
     parts : path_like or sequence of path_like
-        Parts or sums.
+        Parts or sums, or folders of them; keys in the names of folders (``year=2026``) are columns.
     model : path_like
         The model file; :meth:`bearing_watch.Model.load` reads it.
     **options

@@ -122,32 +122,23 @@ def functions(tmp_path_factory):
             some(random, [own, own]),
             max_order=objects.order(random),
             min_order=some(random, (1, 1, 0, 1, 1), objects.order),
-            method=some(random, "ls"),
-            offset=some(random, False),
+            **estimator_of(random),
         )
 
+    def estimation(random, function, **further):
+        """A call of a function of signals, with its own options and those of all."""
+        own = {name: some(random, good) for name, good in further.items()}
+        signals = vector(random), vector(random), some(random, None)
+        return function(*signals, order=objects.order(random), **estimator_of(random), **own)
+
+    def estimator_of(random):
+        return {"method": some(random, "ls"), "offset": some(random, False)}
+
+    identifying = {"passes": 3, "noise_order": None, "instruments": None, "robust": False}
+
     return {
-        "identify": lambda r: bw.identify(
-            vector(r),
-            vector(r),
-            some(r, None),
-            order=objects.order(r),
-            method=some(r, "ls"),
-            offset=some(r, False),
-            passes=some(r, 3),
-            noise_order=some(r, None),
-            instruments=some(r, None),
-            robust=some(r, False),
-        ),
-        "validate": lambda r: bw.validate(
-            vector(r),
-            vector(r),
-            some(r, None),
-            order=objects.order(r),
-            method=some(r, "ls"),
-            offset=some(r, False),
-            lags=some(r, 5),
-        ),
+        "identify": lambda r: estimation(r, bw.identify, **identifying),
+        "validate": lambda r: estimation(r, bw.validate, lags=5),
         "structure": sets,
         "RecursiveEstimator": recursive,
         "RecursiveEstimator.step": lambda r: estimator.step(vector(r), vector(r), some(r, None)),
