@@ -93,7 +93,7 @@ class Model:
         commissioning : int, optional
             Also the constants to learn a drive's own healthy class from so many segments.
         """
-        segments = None if commissioning is None else whole("commissioning", commissioning, least=0)
+        segments = None if commissioning is None else whole("commissioning", commissioning)
         return _written(path, self._core.to_rust(segments))
 
     def to_c(self, path: Optional[Path] = None) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bearing_watch import _core
-from bearing_watch._tables import order_numbers, order_text, vector, warn
+from bearing_watch._tables import order_numbers, order_text, vector, warn, whole
 
 _Array = npt.NDArray[np.float64]
 _Order = tuple[int, int, int, int, int]
@@ -264,8 +264,8 @@ def identify(
         text,
         offset=offset,
         method=method,
-        passes=passes,
-        noise_order=noise_order,
+        passes=whole("passes", passes),
+        noise_order=None if noise_order is None else whole("noise_order", noise_order),
         robust=robust,
     )
     found = _estimate(raw)
@@ -374,6 +374,7 @@ def validate(
     Validation
     """
     signals = _signals(y, u1, u2)
+    lags = whole("lags", lags)
     found = _core.validate("signals", signals, order_text(order), offset=offset, method=method, lags=lags)
     return Validation(
         estimate=_estimate(found["estimate"]),

@@ -204,13 +204,13 @@ def real(name: str, value: Any) -> float:
         raise TypeError(f"{name} is a number, not {value!r:.60}") from None
 
 
-def whole(name: str, value: Any, least: int = -(2**63)) -> int:
-    """Return a whole number of at most 63 bits."""
+def whole(name: str, value: Any) -> int:
+    """Return a whole number from 0 on, of at most 31 bits."""
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} is a whole number, not {value!r:.60}") from None
-    if not least <= number < 2**63:
+    if not 0 <= number < 2**31:
         text = str(number) if abs(number) < 10**20 else "a number of more than 20 digits"
         raise ValueError(f"{name} is {text}: no such number is possible")
     return number
@@ -220,7 +220,7 @@ def order_text(order: Any) -> str:
     """Return na, nb, nc, nkb, nkc as text."""
     if isinstance(order, str):
         return order
-    return ",".join(map(str, order_numbers(order)))
+    return ",".join(str(_plain(number)) for number in order)
 
 
 def order_numbers(order: Any) -> list[int]:

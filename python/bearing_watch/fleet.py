@@ -123,6 +123,8 @@ def sum_on(
     pathlib.Path
         The sums of all parts.
     """
+    if not hasattr(client, "submit"):
+        raise TypeError(f"client is a Client of dask.distributed, not {type(client).__name__}")
     if whole("branch", branch) < 2:
         raise ValueError(f"branch is {branch}; give at least 2")
     if not parts:

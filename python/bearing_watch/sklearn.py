@@ -204,7 +204,10 @@ class NoveltyDetector(OutlierMixin, _Refitted):  # type: ignore[misc]
             own = check_array(runs, ensure_2d=False, dtype=None)
             if len(own) != len(rows):
                 raise ValueError(f"{len(own)} runs for {len(rows)} rows; give one a row")
-            _, first, places = np.unique(own, return_index=True, return_inverse=True)
+            try:
+                _, first, places = np.unique(own, return_index=True, return_inverse=True)
+            except ArithmeticError:
+                raise TypeError("runs hold numbers that cannot be compared") from None
             numbers = first[places].tolist()
         false_alarm = real("false_alarm", self.false_alarm)
         if not 0.0 < false_alarm < 1.0:

@@ -151,7 +151,7 @@ def functions(tmp_path_factory):
         "Model.to_rust": lambda r: model.to_rust(commissioning=objects.anything(r)),
         "Model.to_c": lambda r: model.to_c(some(r, None)),
         "Model.save": lambda r: model.save(objects.anything(r)),
-        "Model.__eq__": lambda r: model == objects.anything(r),
+        "Model.__eq__": lambda r: model.__eq__(objects.anything(r)),
         "Detector": lambda r: bw.Detector(
             some(r, model), follow=some(r, None), follow_bound=some(r, 2.0), run_a_trace=some(r, False)
         ),
