@@ -201,13 +201,13 @@ class NoveltyDetector(OutlierMixin, _Refitted):  # type: ignore[misc]
         rows = validate_data(self, _unmasked(X), dtype=np.float64, ensure_all_finite="allow-nan", ensure_min_samples=2)
         numbers = None
         if runs is not None:
-            own = check_array(runs, ensure_2d=False, dtype=None)
-            if len(own) != len(rows):
-                raise ValueError(f"{len(own)} runs for {len(rows)} rows; give one a row")
             try:
-                _, first, places = np.unique(own, return_index=True, return_inverse=True)
+                own = check_array(runs, ensure_2d=False, dtype=None)
             except ArithmeticError:
                 raise TypeError("runs hold numbers that cannot be compared") from None
+            if len(own) != len(rows):
+                raise ValueError(f"{len(own)} runs for {len(rows)} rows; give one a row")
+            _, first, places = np.unique(own, return_index=True, return_inverse=True)
             numbers = first[places].tolist()
         false_alarm = real("false_alarm", self.false_alarm)
         if not 0.0 < false_alarm < 1.0:

@@ -49,9 +49,13 @@ OPTIONS = [
 ]
 
 
+#: How much rarer odd objects are in a draw than `some` says.
+RARER = [1]
+
+
 def some(random, good, odd=objects.anything, one_in=5):
     """The good value, or an odd one."""
-    return odd(random) if random.integers(one_in) == 0 else good
+    return odd(random) if random.integers(one_in * RARER[0]) == 0 else good
 
 
 def options(random, names=OPTIONS):
@@ -78,14 +82,15 @@ def functions(tmp_path_factory):
     )
     detector = bw.Detector(model)
     signal, file = traces["a"]["current_a"], tmp_path_factory.mktemp("objects") / "run.csv"
-    file.write_text("t_s,current_a\n0,1\n0.1,2\n0.2,1\n")
-    estimator = bw.RecursiveEstimator(signal, traces["a"]["velocity_rad_s"], order=(1, 1, 0, 1, 1), every=20)
+    file.write_text("t_s,current_a\n" + "".join(f"{k / 8},{k % 3}\n" for k in range(20)))
+    command = traces["a"]["velocity_rad_s"]
+    estimator = bw.RecursiveEstimator(signal, command, order=(1, 1, 0, 1, 1), every=20)
     found = bw.Detector(model).run(traces["a"])
     sklearn = pytest.importorskip("bearing_watch.sklearn")
     rows, classes = random.normal(size=(60, 3)), np.arange(60) % 2
 
-    def vector(random):
-        return some(random, signal, objects.column, 2)
+    def vector(random, good=signal):
+        return some(random, good, objects.column, 2)
 
     def training(random):
         tables = some(random, traces, objects.tables, 2)
@@ -104,23 +109,23 @@ def functions(tmp_path_factory):
     def recursive(random):
         made = bw.RecursiveEstimator(
             vector(random),
-            vector(random),
+            vector(random, command),
             some(random, None),
-            order=objects.order(random),
+            order=some(random, (1, 1, 0, 1, 1), objects.order, 3),
             method=some(random, "ls"),
             forgetting=some(random, 0.99),
             every=some(random, 50),
             offset=some(random, False),
             huber=some(random, 0.0),
         )
-        return made.step(vector(random), vector(random))
+        return made.step(vector(random), vector(random, command))
 
     def sets(random):
-        own = (vector(random), vector(random))
+        own = (vector(random), vector(random, command))
         return bw.structure(
             some(random, own),
             some(random, [own, own]),
-            max_order=objects.order(random),
+            max_order=some(random, (1, 1, 0, 1, 1), objects.order, 3),
             min_order=some(random, (1, 1, 0, 1, 1), objects.order),
             **estimator_of(random),
         )
@@ -128,8 +133,8 @@ def functions(tmp_path_factory):
     def estimation(random, function, **further):
         """A call of a function of signals, with its own options and those of all."""
         own = {name: some(random, good) for name, good in further.items()}
-        signals = vector(random), vector(random), some(random, None)
-        return function(*signals, order=objects.order(random), **estimator_of(random), **own)
+        signals = vector(random), vector(random, command), some(random, None)
+        return function(*signals, order=some(random, (1, 1, 0, 1, 1), objects.order, 3), **estimator_of(random), **own)
 
     def estimator_of(random):
         return {"method": some(random, "ls"), "offset": some(random, False)}
@@ -141,7 +146,7 @@ def functions(tmp_path_factory):
         "validate": lambda r: estimation(r, bw.validate, lags=5),
         "structure": sets,
         "RecursiveEstimator": recursive,
-        "RecursiveEstimator.step": lambda r: estimator.step(vector(r), vector(r), some(r, None)),
+        "RecursiveEstimator.step": lambda r: estimator.step(vector(r), vector(r, command), some(r, None)),
         "train": training,
         "evaluate": evaluation,
         "Model.from_bytes": lambda r: bw.Model.from_bytes(objects.anything(r)),
@@ -155,12 +160,14 @@ def functions(tmp_path_factory):
         "Detector": lambda r: bw.Detector(
             some(r, model), follow=some(r, None), follow_bound=some(r, 2.0), run_a_trace=some(r, False)
         ),
-        "Detector.run": lambda r: detector.run(some(r, objects.table(r))),
+        "Detector.run": lambda r: detector.run(some(r, some(r, traces["a"], objects.table, 2))),
         "Detector.run by names": lambda r: detector.run(current_a=objects.column(r), velocity_rad_s=objects.column(r)),
-        "Detector.step": lambda r: detector.step(some(r, objects.table(r))),
+        "Detector.step": lambda r: detector.step(some(r, some(r, traces["a"], objects.table, 2))),
         "Detector.finish": lambda r: detector.finish(),
         "pickle": lambda r: pickle.loads(pickle.dumps(model)),
-        "replay": lambda r: bw.replay(some(r, model, one_in=8), some(r, objects.tables(r)), follow=some(r, None)),
+        "replay": lambda r: bw.replay(
+            some(r, model, one_in=8), some(r, some(r, traces, objects.tables, 2)), follow=some(r, None)
+        ),
         "read": lambda r: bw.read(some(r, file), some(r, None), time=some(r, None), rate_hz=some(r, None)),
         "audit": lambda r: bw.audit(some(r, file), some(r, None), **options(r)),
         "init": lambda r: bw.init(
@@ -210,7 +217,7 @@ def test_every_function_refuses_what_it_cannot_use_with_a_sentence(functions, tm
     names = list(functions)
     for k in range(COUNT):
         random = np.random.default_rng([SEED, k])
-        name = names[k % len(names)]
+        name, RARER[0] = names[k % len(names)], objects.pick(random, [1, 3, 10])
         faulthandler.dump_traceback_later(10 * LONGEST, exit=True)
         start = time.monotonic()
         calls[name] += 1

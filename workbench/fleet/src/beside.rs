@@ -7,7 +7,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Part, Plan};
+use super::Plan;
 use model::Error;
 
 /// Name of the plan of all parts of a folder.
@@ -29,17 +29,11 @@ pub(super) fn plan_beside(part: &Path) -> Result<Option<Plan>, Error> {
         files.push(own.join(OF_FOLDER));
         folder = key(own).and_then(|_| own.parent());
     }
-    files.iter().find(|file| file.is_file()).map(|file| plan_of(file)).transpose()
+    files.iter().find(|file| file.is_file()).map(|file| read_plan(file)).transpose()
 }
 
-/// The plan of a part, or of the file beside one.
-///
-/// # Errors
-/// What cannot be read, or is neither.
-pub fn plan_of(file: &Path) -> Result<Plan, Error> {
-    if file.extension().is_none_or(|end| end != "json") {
-        return Part::open(file).map(|part| part.plan);
-    }
+/// Reads a file with a plan.
+pub(super) fn read_plan(file: &Path) -> Result<Plan, Error> {
     let text = std::fs::read_to_string(file).map_err(Error::io(file))?;
     Plan::parse(&text).map_err(|problem| Error::content(file, "content", problem))
 }

@@ -33,7 +33,7 @@ mod sums;
 mod tails;
 mod writer;
 
-pub use beside::{plan_file, plan_of};
+pub use beside::plan_file;
 pub use fingerprint::fingerprint;
 pub use fit::{Choice, Fit, Independent, classes};
 pub use fold::{Units, fold};

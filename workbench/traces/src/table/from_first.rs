@@ -3,16 +3,15 @@
 use super::clock::iso_nanoseconds;
 use super::columns::is_missing;
 
-/// How well points of time, texts with dates, times of the day, spans of time and dates in milliseconds serve as the
-/// time of rows: the smallest is the best. A day is no time of a row.
+/// Rank of points of time among the columns that may be the time of rows: the smallest is the best.
 pub const POINTS: u8 = 0;
-/// Texts with dates.
+/// Rank of texts with dates.
 pub const TEXTS: u8 = 1;
-/// Times of the day.
+/// Rank of times of the day.
 pub const OF_DAY: u8 = 2;
-/// Spans.
+/// Rank of spans of time.
 pub const SPANS: u8 = 3;
-/// Dates in milliseconds.
+/// Rank of dates in milliseconds.
 pub const DATES: u8 = 4;
 /// Rows at which columns of texts are looked at.
 pub(super) const HEAD: usize = 64;
