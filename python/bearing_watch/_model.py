@@ -15,7 +15,7 @@ import numpy.typing as npt
 from bearing_watch import _core, _html
 from bearing_watch._options import Evaluate as EvaluateOptions
 from bearing_watch._options import Train as TrainOptions
-from bearing_watch._tables import Labels, Path, Traces, drive_and_options, warn
+from bearing_watch._tables import Labels, Path, Traces, drive_and_options, warn, whole
 
 if TYPE_CHECKING:
     from bearing_watch._options import Unpack
@@ -66,7 +66,8 @@ class Model:
         path : path_like
             The file.
         """
-        with open(path, "rb") as file:
+        # A number would be an open file of this process.
+        with open(fspath(path), "rb") as file:
             return cls(_core.Model.from_bytes(path, file.read()))
 
     @classmethod
@@ -92,7 +93,8 @@ class Model:
         commissioning : int, optional
             Also the constants to learn a drive's own healthy class from so many segments.
         """
-        return _written(path, self._core.to_rust(commissioning))
+        segments = None if commissioning is None else whole("commissioning", commissioning)
+        return _written(path, self._core.to_rust(segments))
 
     def to_c(self, path: Optional[Path] = None) -> str:
         """Return the model as a C header, and write it to a file if one is given."""

@@ -55,7 +55,9 @@ class Trace:
         """Median step of the time, s; None without a time."""
         if self.time_s is None or len(self.time_s) < 2:
             return None
-        return float(np.median(np.diff(self.time_s)))
+        # A row may lack its time.
+        steps = np.diff(self.time_s[np.isfinite(self.time_s)])
+        return float(np.median(steps)) if len(steps) else None
 
     def to_pandas(self) -> Any:
         """Return a pandas.DataFrame; its index is the time, if there is one."""

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bearing_watch import _core
-from bearing_watch._tables import order_text, vector
+from bearing_watch._tables import order_text, vector, whole
 
 _Array = npt.NDArray[np.float64]
 
@@ -111,7 +111,13 @@ class RecursiveEstimator:
         if u2 is not None:
             reference["u2"] = vector("u2", u2)
         self._core = _core.RecursiveEstimator(
-            reference, order_text(order), offset=offset, method=method, forgetting=forgetting, huber=huber, every=every
+            reference,
+            order_text(order),
+            offset=offset,
+            method=method,
+            forgetting=forgetting,
+            huber=huber,
+            every=whole("every", every),
         )
         self.names = self._core.names
         self._has_second = u2 is not None

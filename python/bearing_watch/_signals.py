@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bearing_watch import _core
-from bearing_watch._tables import order_text, vector, warn
+from bearing_watch._tables import order_numbers, order_text, vector, warn, whole
 
 _Array = npt.NDArray[np.float64]
 _Order = tuple[int, int, int, int, int]
@@ -264,8 +264,8 @@ def identify(
         text,
         offset=offset,
         method=method,
-        passes=passes,
-        noise_order=noise_order,
+        passes=whole("passes", passes),
+        noise_order=None if noise_order is None else whole("noise_order", noise_order),
         robust=robust,
     )
     found = _estimate(raw)
@@ -295,12 +295,19 @@ def _doubts(found: Estimate, allows_colour: bool) -> list[str]:
     return messages
 
 
+def _is_several(given: Any) -> bool:
+    is_list = isinstance(given, (Sequence, np.ndarray)) and not isinstance(given, (str, bytes))
+    return is_list and getattr(given, "ndim", 1) > 0
+
+
 def _sets(what: str, given: Union[Signals, Sequence[Signals]]) -> list[tuple[str, Any]]:
     every: Any = given
+    if not _is_several(every):
+        raise TypeError(f"{what} is a tuple of signals y, u1 and perhaps u2, or a list of such tuples")
     sets = [every] if len(every) > 0 and np.ndim(every[0]) == 1 else every
     tables: list[tuple[str, Any]] = []
     for k, own in enumerate(sets):
-        if len(own) not in (2, 3):
+        if not _is_several(own) or len(own) not in (2, 3):
             raise ValueError(f"{what} {k}: give y, u1 and perhaps u2")
         tables.append((f"{what}_{k}", _signals(own[0], own[1], own[2] if len(own) == 3 else None)))
     return tables
@@ -332,12 +339,9 @@ def structure(
     -------
     StructureSearch
     """
-    limits = [[int(number) for number in order] for order in (max_order, min_order)]
-    if max_order[2] == 0:
+    limits = [order_numbers(order) for order in (max_order, min_order)]
+    if limits[0][2] == 0:
         limits[1][2] = 0
-    for limit in limits:
-        if len(limit) != 5 or not all(0 <= number <= 32 for number in limit):
-            raise ValueError(f"{limit}: an order is na, nb, nc, nkb, nkc, whole numbers from 0 to 32")
     sets = _sets("training", training), _sets("validation", validation)
     found = _core.structure(*sets, *limits, offset=offset, method=method)
     for name in ("best_fit", "best_aic", "best_mdl"):
@@ -370,6 +374,7 @@ def validate(
     Validation
     """
     signals = _signals(y, u1, u2)
+    lags = whole("lags", lags)
     found = _core.validate("signals", signals, order_text(order), offset=offset, method=method, lags=lags)
     return Validation(
         estimate=_estimate(found["estimate"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike, fspath
@@ -9,6 +10,8 @@ from typing import Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
+
+from bearing_watch import _core, _times
 
 #: A file or folder.
 Path = Union[str, "PathLike[str]"]
@@ -58,18 +61,30 @@ def vector(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         raise ValueError(f"{name} has {own.ndim} dimensions; give one value a sample, shape (n,)")
     if own.dtype.kind not in NUMBERS:
         raise TypeError(f"{name} holds {own.dtype}; give numbers")
-    return np.ascontiguousarray(own, dtype=np.float64)
+    return aligned(own)
+
+
+def aligned(values: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+    """Return an array as one of float64 in one piece of memory, each at an address that processors take."""
+    found: npt.NDArray[np.float64] = np.require(values, np.float64, ["C", "A"])
+    # NumPy calls an array without values aligned wherever it is.
+    return found if len(found) else np.empty(found.shape)
 
 
 def _cells(values: Any) -> Any:
-    """Return a column as an array of float64, a list of texts, or the name of the type of other cells."""
-    own = array(values)
+    """Return a column as an array of float64, a list of texts, times, or the name of the type of other cells."""
+    own = array(_times.of_pandas(values))
     if own.ndim == 1 and own.dtype.kind in NUMBERS:
-        return np.ascontiguousarray(own, dtype=np.float64)
+        return aligned(own)
+    if own.ndim == 1 and own.dtype.kind in "Mm":
+        return _times.of_array(own)
     if own.ndim == 1 and own.dtype.kind in "UTO":
         cells = [None if _is_missing(cell) else cell for cell in own.tolist()]
         if all(cell is None or isinstance(cell, str) for cell in cells):
-            return ["" if cell is None else cell for cell in cells]
+            return ["" if cell is None else str(cell) for cell in cells]
+        times = _times.of_objects(own, [cell is None for cell in cells])
+        if times is not None:
+            return times
     return f"{own.dtype} in {own.ndim} dimensions"
 
 
@@ -80,34 +95,28 @@ def _is_missing(cell: Any) -> bool:
 
 def _is_mapping(table: Any) -> bool:
     # pandas offers Arrow only where pyarrow is installed; its columns are arrays anyway.
-    return isinstance(table, Mapping) or type(table).__module__.split(".")[0] == "pandas"
+    is_of_pandas = type(table).__module__.split(".")[0] == "pandas"
+    return isinstance(table, Mapping) or (is_of_pandas and hasattr(table, "columns"))
 
 
-#: Names of a column of times, as of files.
-_TIMES = ("t", "time", "timestamp", "zeit", "temps")
-
-
-def _is_time(name: str) -> bool:
-    return name.lower().split("_")[0] in _TIMES
+def _is_table(given: Any) -> bool:
+    # Single columns of pandas, polars and pyarrow have Arrow streams too.
+    is_column = hasattr(given, "dtype") or (hasattr(given, "type") and not hasattr(given, "schema"))
+    return _is_mapping(given) or (hasattr(given, "__arrow_c_stream__") and not is_column)
 
 
 def _timed(given: Any, columns: dict[str, Any]) -> dict[str, Any]:
     """Return the columns with the times of the index of a frame, unless they have times."""
     index: Any = getattr(given, "index", None)
-    kind = getattr(getattr(index, "dtype", None), "kind", "")
-    if isinstance(given, Mapping) or kind not in ("M", "m", "f") or any(map(_is_time, columns)):
+    if isinstance(given, Mapping) or any(map(_core.is_time, columns)):
         return columns
-    own = index.name if isinstance(getattr(index, "name", None), str) else None
-    if kind == "f":
-        if own is not None and not _is_time(own):
-            return columns
-        return {own or "t_s": np.ascontiguousarray(index, dtype=np.float64), **columns}
-    # Dates and durations: to nanoseconds without a time zone, so that seconds from the first are exact.
-    if getattr(index, "tz", None) is not None:
-        index = index.tz_convert("UTC").tz_localize(None)
-    times = np.asarray(index).astype(f"{kind}8[ns]").astype(np.int64)
-    seconds = (times - times[0]) / 1e9 if len(times) else times.astype(np.float64)
-    return {"t_s": np.ascontiguousarray(seconds, dtype=np.float64), **columns}
+    # Periods are points of time, their beginnings.
+    index = index.to_timestamp() if hasattr(index, "to_timestamp") else index
+    kind = getattr(getattr(index, "dtype", None), "kind", "")
+    own = index.name if isinstance(getattr(index, "name", None), str) else "t_s"
+    if kind in ("M", "m"):
+        return {"t_s": _cells(index), **columns}
+    return {own: _cells(index), **columns} if kind == "f" and _core.is_time(own) else columns
 
 
 def table(given: Table) -> Any:
@@ -119,7 +128,11 @@ def table(given: Table) -> Any:
                 raise ValueError(f"two columns are named {name}; rename or drop one")
             columns[str(name)] = _cells(values)
         return _timed(given, columns)
-    if hasattr(given, "__arrow_c_stream__"):
+    if _is_table(given):
+        for name in getattr(given, "columns", ()):
+            # At such a name the stream of polars ends the process.
+            if isinstance(name, str) and "\0" in name:
+                raise ValueError(f"the name of column {name!r} has a null character; rename it")
         return given
     raise TypeError(f"a table is a mapping of columns or an Arrow table, not {type(given).__name__}")
 
@@ -137,10 +150,10 @@ def traces(given: Optional[Traces]) -> tuple[Optional[list[str]], Optional[list[
         return [path], None
     if isinstance(given, Mapping):
         tables = [(str(name), own) for name, own in given.items()]
-        if any(not (_is_mapping(own) or hasattr(own, "__arrow_c_stream__")) for _, own in tables):
+        if not all(_is_table(own) for _, own in tables):
             return None, [("traces", table(given))]
         return None, [(name, table(own)) for name, own in tables]
-    if isinstance(given, Sequence) and not hasattr(given, "__arrow_c_stream__"):
+    if isinstance(given, Sequence) and not _is_table(given):
         paths = [path for path in map(_path, given) if path is not None]
         if len(paths) == len(given):
             return paths, None
@@ -183,8 +196,39 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, (np.generic, np.ndarray)) else value
 
 
+def real(name: str, value: Any) -> float:
+    """Return a number."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, ArithmeticError):
+        raise TypeError(f"{name} is a number, not {value!r:.60}") from None
+
+
+def whole(name: str, value: Any) -> int:
+    """Return a whole number from 0 on, of at most 31 bits."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is a whole number, not {value!r:.60}") from None
+    if not 0 <= number < 2**31:
+        text = str(number) if abs(number) < 10**20 else "a number of more than 20 digits"
+        raise ValueError(f"{name} is {text}: no such number is possible")
+    return number
+
+
 def order_text(order: Any) -> str:
     """Return na, nb, nc, nkb, nkc as text."""
     if isinstance(order, str):
         return order
     return ",".join(str(_plain(number)) for number in order)
+
+
+def order_numbers(order: Any) -> list[int]:
+    """Return na, nb, nc, nkb, nkc."""
+    try:
+        numbers = [whole("a number of an order", number) for number in order]
+    except TypeError:
+        numbers = []
+    if len(numbers) != 5 or not all(0 <= number <= 32 for number in numbers):
+        raise ValueError(f"{order!r:.80}: an order is na, nb, nc, nkb, nkc, whole numbers from 0 to 32")
+    return numbers

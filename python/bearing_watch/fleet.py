@@ -17,7 +17,7 @@ from pathlib import Path as _File
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 from bearing_watch import _core
-from bearing_watch._tables import Labels, Path, drive_and_options, warn
+from bearing_watch._tables import Labels, Path, drive_and_options, warn, whole
 
 if TYPE_CHECKING:
     from bearing_watch._options import Features as FeaturesOptions
@@ -43,9 +43,10 @@ def features(
     labels : path_like, optional
         The labels; by default those of the drive file.
     out : path_like
-        The part, a Parquet file.
+        The part, a Parquet file. Its plan is also written beside it, as ``NAME.plan.json``, by which the part stays one
+        if another program writes it again without its metadata.
     **options
-        The options of the command: ``unit="drive"``, ``plan="a.parquet"`` …
+        The options of the command: ``unit="drive"``, ``plan="a.plan.json"`` …
 
     Returns
     -------
@@ -62,7 +63,7 @@ def features_sum(parts: Parts, *, out: Path, **options: Unpack[FeaturesSumOption
     Parameters
     ----------
     parts : path_like or sequence of path_like
-        Parts, and sums.
+        Parts and sums, and folders of them.
     out : path_like
         The sums.
     **options
@@ -82,7 +83,7 @@ def train_features(parts: Parts, *, model: Path, **options: Unpack[TrainFeatures
     Parameters
     ----------
     parts : path_like or sequence of path_like
-        Parts or sums.
+        Parts or sums, or folders of them; keys in the names of folders (``year=2026``) are columns.
     model : path_like
         The model file; :meth:`bearing_watch.Model.load` reads it.
     **options
@@ -122,7 +123,9 @@ def sum_on(
     pathlib.Path
         The sums of all parts.
     """
-    if branch < 2:
+    if not hasattr(client, "submit"):
+        raise TypeError(f"client is a Client of dask.distributed, not {type(client).__name__}")
+    if whole("branch", branch) < 2:
         raise ValueError(f"branch is {branch}; give at least 2")
     if not parts:
         raise ValueError("no part is given")

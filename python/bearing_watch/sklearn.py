@@ -19,7 +19,7 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_array, check_is_fitted, validate_data
 
 from bearing_watch import _core
-from bearing_watch._tables import array
+from bearing_watch._tables import aligned, array, real
 
 __all__ = ["GaussianClassifier", "NoveltyDetector"]
 
@@ -119,11 +119,14 @@ class GaussianClassifier(ClassifierMixin, _Refitted):  # type: ignore[misc]
         count = len(self.classes_)
         priors: list[float] = []
         if isinstance(self.priors, Mapping):
-            priors = [float(self.priors[own]) for own in self.classes_.tolist()]
+            lacking = [own for own in self.classes_.tolist() if own not in self.priors]
+            if lacking:
+                raise ValueError(f"priors lack class {lacking[0]!r}; give one for each class")
+            priors = [real("a prior", self.priors[own]) for own in self.classes_.tolist()]
         elif self.priors is not None:
-            priors = [float(prior) for prior in self.priors]
+            priors = [real("a prior", prior) for prior in self.priors]
         cost = [] if self.cost is None else np.asarray(self.cost, dtype=np.float64).reshape(count, count).tolist()
-        shrinkage = None if self.shrinkage is None else [float(part) for part in self.shrinkage]
+        shrinkage = None if self.shrinkage is None else [real("shrinkage", part) for part in self.shrinkage]
         self._fit_core(
             rows.copy(),
             places.tolist(),
@@ -141,7 +144,7 @@ class GaussianClassifier(ClassifierMixin, _Refitted):  # type: ignore[misc]
     def _predicted(self, X: npt.ArrayLike) -> tuple[_Array, npt.NDArray[np.int64]]:
         check_is_fitted(self)
         rows = validate_data(self, _unmasked(X), dtype=np.float64, ensure_all_finite="allow-nan", reset=False)
-        found: tuple[_Array, npt.NDArray[np.int64]] = self._fitted.predict(rows)
+        found: tuple[_Array, npt.NDArray[np.int64]] = self._fitted.predict(aligned(rows))
         return found
 
     def predict(self, X: npt.ArrayLike) -> npt.NDArray[Any]:
@@ -198,14 +201,18 @@ class NoveltyDetector(OutlierMixin, _Refitted):  # type: ignore[misc]
         rows = validate_data(self, _unmasked(X), dtype=np.float64, ensure_all_finite="allow-nan", ensure_min_samples=2)
         numbers = None
         if runs is not None:
-            own = check_array(runs, ensure_2d=False, dtype=None)
+            try:
+                own = check_array(runs, ensure_2d=False, dtype=None)
+            except ArithmeticError:
+                raise TypeError("runs hold numbers that cannot be compared") from None
             if len(own) != len(rows):
                 raise ValueError(f"{len(own)} runs for {len(rows)} rows; give one a row")
             _, first, places = np.unique(own, return_index=True, return_inverse=True)
             numbers = first[places].tolist()
-        if not 0.0 < self.false_alarm < 1.0:
+        false_alarm = real("false_alarm", self.false_alarm)
+        if not 0.0 < false_alarm < 1.0:
             raise ValueError(f"false_alarm={self.false_alarm}: a rate is between 0 and 1")
-        self._fit_core(rows.copy(), numbers, _names(self), float(self.false_alarm))
+        self._fit_core(rows.copy(), numbers, _names(self), false_alarm)
         self.limit_ = self._fitted.limit
         self.offset_ = -self.limit_
         return self
@@ -214,7 +221,7 @@ class NoveltyDetector(OutlierMixin, _Refitted):  # type: ignore[misc]
         """Return the negative surprise of each row, shape (n,): ln of the probability of a healthy row as distant."""
         check_is_fitted(self)
         rows = validate_data(self, _unmasked(X), dtype=np.float64, ensure_all_finite="allow-nan", reset=False)
-        surprise: _Array = self._fitted.surprise(rows)
+        surprise: _Array = self._fitted.surprise(aligned(rows))
         return -surprise
 
     def decision_function(self, X: npt.ArrayLike) -> _Array:

@@ -59,4 +59,6 @@ mod _core {
     use super::recursive::RecursiveEstimator;
     #[pymodule_export]
     use super::signals::{identify, structure, validate};
+    #[pymodule_export]
+    use super::tables::is_time;
 }

@@ -2,16 +2,18 @@
 
 use std::sync::Arc;
 
-use model::trace::{Cells, Recorded};
+use model::trace::{Cells, Recorded, Times};
 use numpy::{PyReadonlyArray1, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use traces::reader;
+use traces::table::from_first::{FromFirst, OF_DAY, POINTS, SPANS};
 
 use crate::arrow;
 use crate::errors::{raised, refused};
 
-/// A table: an object with an Arrow stream, or a dictionary of columns, each an array of float64, a list of texts, or
-/// the name of the type of other cells.
+/// A table: an object with an Arrow stream, or a dictionary of columns, each an array of float64, a list of texts,
+/// times (see [`times`]), or the name of the type of other cells.
 pub(crate) fn table(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Arc<Recorded>> {
     let table = unchecked(name, given)?;
     let names: Vec<&str> = table.names().collect();
@@ -46,8 +48,32 @@ fn cells_of(given: &Bound<'_, PyAny>) -> PyResult<Cells> {
     if let Ok(array) = given.cast::<PyUntypedArray>() {
         return Ok(Cells::Other(format!("an array of {} and {} dimensions", array.dtype(), array.ndim())));
     }
+    if let Some(found) = times(given) {
+        return Ok(Cells::Times(found));
+    }
     if let Ok(texts) = given.extract::<Vec<String>>() {
         return Ok(Cells::Texts(texts));
     }
     given.extract().map(Cells::Other)
+}
+
+/// Times as (kind, units a second, array of int64 in these units): points, spans, times of the day, or days; the
+/// smallest number is a missing one, as in NumPy.
+fn times(given: &Bound<'_, PyAny>) -> Option<Times> {
+    let (kind, a_second, units): (String, f64, PyReadonlyArray1<'_, i64>) = given.extract().ok()?;
+    let rank = match kind.as_str() {
+        "points" => Some(POINTS),
+        "spans" => Some(SPANS),
+        "times of the day" => Some(OF_DAY),
+        _ => None,
+    };
+    let units = units.as_array();
+    let units = units.iter().map(|unit| (*unit != i64::MIN).then_some(i128::from(*unit)));
+    Some(Times { seconds: FromFirst::default().seconds(units, a_second), rank })
+}
+
+/// Whether a column of this name is a time, as in files.
+#[pyfunction]
+pub(crate) fn is_time(name: &str) -> bool {
+    reader::is_time(name)
 }

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -93,6 +94,22 @@ def quietly(work):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", bw.BearingWatchWarning)
         return work()
+
+
+def told(work):
+    """What work returns, and its warnings as one text."""
+    import warnings
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", bw.BearingWatchWarning)
+        found = work()
+    return found, "\n".join(str(one.message) for one in caught)
+
+
+def book(chapter, language):
+    """The examples of a chapter of the book in a language."""
+    text = (Path(__file__).parents[2] / "book" / "src" / chapter).read_text(encoding="utf-8")
+    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
 
 
 def read_csv(path: Path):

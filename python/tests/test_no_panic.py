@@ -27,7 +27,7 @@ def attempt(work):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             work()
-    except (ValueError, TypeError, OverflowError):
+    except (ValueError, TypeError):
         pass
 
 

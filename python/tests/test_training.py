@@ -30,6 +30,12 @@ def label_table(bench):
     return {"trace": list(bench.labels), "class_name": list(bench.labels.values())}
 
 
+@pytest.mark.parametrize("rate", [-1.0, 0.0, 0.6, 1.5, float("nan"), 1e-320])
+def test_a_rate_that_is_none_is_refused(bench, rate):
+    with pytest.raises(bw.BearingWatchError, match="give a rate from 1e-9 to 0.5 a segment"):
+        quietly(lambda: bw.train(bench.traces, bench.labels, **{**PLAIN, "false_alarm": rate}))
+
+
 def test_simulated_arrays_are_those_of_the_files(folder, bench):
     for name in ("healthy_3_000", "roughness_3_003"):
         for column, values in read_csv(folder / f"{name}.csv").items():

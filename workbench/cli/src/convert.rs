@@ -11,7 +11,7 @@ use model::trace::stem;
 use traces::reader::{self, Series};
 use traces::resample::{Resampled, at_rate};
 use traces::table;
-use traces::table::Table;
+use traces::table::{Table, is_unread};
 use traces::units::{Quantity, Unit};
 
 /// The name of the time in files that are written.
@@ -138,7 +138,15 @@ impl Files {
         let bar = output::progress("traces", files.len());
         let (mut count, mut alone) = (0, None);
         for file in &files {
-            let table = Table::open_as(file, &data.text_form())?;
+            let table = match Table::open_as(file, &data.text_form()) {
+                // Such as a workbook of labels beside the traces of a folder.
+                Err(problem) if is_unread(file) && !data.traces.contains(file) => {
+                    log::warn!("left out {problem}");
+                    bar.inc(1);
+                    continue;
+                }
+                table => table?,
+            };
             let names = self.names(&table)?;
             let channels: Vec<String> = names.iter().map(|(_, channel)| channel.clone()).collect();
             let times = (data.time.as_deref(), data.rate_hz);

@@ -105,6 +105,7 @@ pub(super) const FEATURES: Form = Form {
         ("traces", "integer", "Traces"),
         ("features", "array", "Names of the features"),
         ("without_features", "integer", "Segments without any feature"),
+        ("plan", "string", "The file with the plan beside the part"),
         ("units_ascend", "boolean", "Whether the units of the rows ascend"),
         ("seconds", "number", "Time that it took"),
     ],

@@ -17,6 +17,7 @@
 //! | [`steps`] | the steps, from files to files |
 //! | [`exact`] | sums without rounding |
 
+mod beside;
 mod complete;
 mod errors;
 pub mod exact;
@@ -32,6 +33,7 @@ mod sums;
 mod tails;
 mod writer;
 
+pub use beside::plan_file;
 pub use fingerprint::fingerprint;
 pub use fit::{Choice, Fit, Independent, classes};
 pub use fold::{Units, fold};

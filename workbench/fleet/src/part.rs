@@ -8,7 +8,9 @@
 //! ```
 //!
 //! The metadata has the plan ([`Plan`], key `bearing_watch_plan`), and `bearing_watch_sorted = unit` if the units
-//! ascend. Row groups are written as they fill.
+//! ascend. Row groups are written as they fill. Of a part that another program has written again, without metadata,
+//! the plan is in a file beside it, and the order of the units is looked at. A column may also be a key in the names of
+//! the folders (`beside`).
 
 use std::fs::File;
 use std::ops::Range;
@@ -24,6 +26,7 @@ use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, Parq
 use parquet::file::statistics::Statistics;
 
 use super::Plan;
+use super::beside::{keys, plan_beside};
 use super::exact::LARGEST;
 use super::names::{PLAN, SORTED, TEXTS, variance_of};
 use model::Error;
@@ -33,6 +36,10 @@ use traces::table::parquet_pages;
 
 /// Rows of a batch that is read.
 const BATCH: usize = 8192;
+/// What is said of a file without a plan.
+const NO_PLAN: &str = "no table of features with their plan; write it with `bearing-watch features`. If another program \
+                       has written a part again, its metadata with the plan is lost: put the file NAME.plan.json, \
+                       which `features` wrote beside the part, beside this one, or as plan.json into its folder";
 
 /// A part whose rows are not yet read.
 #[derive(Debug)]
@@ -43,6 +50,8 @@ pub struct Part {
     pub plan: Plan,
     /// Whether its units ascend.
     pub sorted: bool,
+    /// Columns that are keys in the names of its folders.
+    keys: Vec<(String, String)>,
     metadata: ArrowReaderMetadata,
 }
 
@@ -87,24 +96,50 @@ impl Part {
         let plain = ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()).map_err(unreadable)?;
         let pairs = plain.metadata().file_metadata().key_value_metadata();
         let value = |key: &str| pairs?.iter().find(|pair| pair.key == key)?.value.clone();
-        let plan = value(PLAN).ok_or_else(|| {
-            wrong("no table of features with their plan; write it with `bearing-watch features`".into())
-        })?;
-        let plan = Plan::parse(&plan).map_err(wrong)?;
+        let own = value(PLAN);
+        let is_own = own.is_some();
+        let plan = match own {
+            Some(plan) => Plan::parse(&plan).map_err(wrong)?,
+            None => plan_beside(path)?.ok_or_else(|| wrong(NO_PLAN.into()))?,
+        };
         // Texts as dictionaries, whoever wrote them.
-        let as_dictionary = |field: &Arc<Field>| match field.data_type() {
-            DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => {
-                let kind = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
-                Arc::new(Field::new(field.name(), kind, field.is_nullable()))
+        let as_dictionary = |field: &Arc<Field>| {
+            if !is_text(field.data_type()) {
+                return field.clone();
             }
-            _ => field.clone(),
+            let kind = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
+            Arc::new(Field::new(field.name(), kind, field.is_nullable()))
         };
         let schema = Arc::new(Schema::new(plain.schema().fields().iter().map(as_dictionary).collect::<Vec<_>>()));
         let options = ArrowReaderOptions::new().with_schema(schema);
         let metadata = ArrowReaderMetadata::try_new(plain.metadata().clone(), options).map_err(unreadable)?;
         parquet_pages::check(&file, metadata.metadata(), |_| true).map_err(unreadable)?;
         let sorted = value(SORTED).as_deref() == Some("unit");
-        Ok(Self { path: path.to_path_buf(), plan, sorted, metadata })
+        let mut part = Self { path: path.to_path_buf(), plan, sorted, keys: keys(path), metadata };
+        if !is_own {
+            part.sorted = part.ascends()?;
+        }
+        Ok(part)
+    }
+
+    /// Whether the units ascend, by reading them.
+    fn ascends(&self) -> Result<bool, Error> {
+        let wanted = Wanted::default();
+        let mut last: Option<String> = None;
+        for group in 0..self.row_groups() {
+            for batch in self.read(group, &wanted)? {
+                let batch = batch?;
+                for rows in batch.stretches() {
+                    let [_, unit, _] = batch.texts(rows.start);
+                    match &last {
+                        Some(last) if last.as_str() > unit => return Ok(false),
+                        Some(last) if last == unit => {}
+                        _ => last = Some(unit.into()),
+                    }
+                }
+            }
+        }
+        Ok(true)
     }
 
     /// Number of rows.
@@ -117,6 +152,15 @@ impl Part {
     #[must_use]
     pub fn columns(&self) -> Vec<&str> {
         self.metadata.schema().fields().iter().map(|field| field.name().as_str()).collect()
+    }
+
+    /// Where the cells of a column of text are.
+    fn text(&self, name: &str) -> Result<Text<'_>, Error> {
+        let key = || self.keys.iter().find(|(key, _)| key == name).map(|(_, value)| Text::Key(value));
+        match self.place(name) {
+            Ok(place) => Ok(Text::Column(place)),
+            Err(missing) => key().ok_or(missing),
+        }
     }
 
     fn place(&self, name: &str) -> Result<usize, Error> {
@@ -138,6 +182,9 @@ impl Part {
     pub fn bounds(&self, group: usize) -> (u64, Option<[String; 2]>) {
         let own = self.metadata.metadata().row_group(group);
         let rows = u64::try_from(own.num_rows()).unwrap_or(0);
+        if let Ok(Text::Key(unit)) = self.text("unit") {
+            return (rows, Some([unit.into(), unit.into()]));
+        }
         let column = own.columns().iter().find(|column| column.column_path().string() == "unit");
         let bounds = column.and_then(|column| match column.statistics()? {
             Statistics::ByteArray(values) => {
@@ -162,11 +209,11 @@ impl Part {
         let errors = wanted.features.iter().map(|name| self.place(&variance_of(name)).ok());
         let errors: Vec<Option<usize>> = errors.collect();
         let numbers = wanted.features.iter().map(|name| self.place(name)).collect::<Result<Vec<_>, _>>()?;
-        let texts = TEXTS[1..].iter().map(|name| self.place(name)).collect::<Result<Vec<_>, _>>()?;
-        let conditions: Vec<usize> =
-            wanted.conditions.iter().map(|own| self.place(own.column())).collect::<Result<_, _>>()?;
-        let mut places: Vec<usize> =
-            texts.iter().chain(&numbers).chain(errors.iter().flatten()).chain(&conditions).copied().collect();
+        let texts = TEXTS[1..].iter().map(|name| self.text(name)).collect::<Result<Vec<_>, _>>()?;
+        let conditions: Vec<Text<'_>> =
+            wanted.conditions.iter().map(|own| self.text(own.column())).collect::<Result<_, _>>()?;
+        let of_texts = texts.iter().chain(&conditions).filter_map(Text::place);
+        let mut places: Vec<usize> = numbers.iter().chain(errors.iter().flatten()).copied().chain(of_texts).collect();
         places.sort_unstable();
         places.dedup();
         let file = File::open(&self.path).map_err(Error::io(&self.path))?;
@@ -186,15 +233,23 @@ impl Part {
         let at = move |place: usize| places.binary_search(&place).unwrap_or(0);
         Ok(batches.map(move |batch| {
             let batch = batch.map_err(|error| wrong(error.to_string()))?;
-            let text = |place: usize| {
-                let column = batch.column(at(place)).as_dictionary_opt::<Int32Type>().cloned();
-                let problem = || wrong(format!("column {} is no text", self.columns()[place]));
-                column.filter(|own| own.null_count() == 0).ok_or_else(problem)
-            };
             let rows = batch.num_rows();
+            let text = |text: Text<'_>| {
+                let place = match text {
+                    Text::Column(place) => place,
+                    Text::Key(value) => return Ok(std::iter::repeat_n(value, rows).collect()),
+                };
+                let column = batch.column(at(place)).as_dictionary_opt::<Int32Type>().cloned();
+                let problem = |what: &str| wrong(format!("column {} {what}", self.columns()[place]));
+                let column = column.ok_or_else(|| problem("is no text"))?;
+                if column.null_count() > 0 {
+                    return Err(problem("lacks cells; fill them in, also with an empty text"));
+                }
+                Ok(column)
+            };
             let mut kept = vec![true; rows];
             for (condition, &place) in wanted.conditions.iter().zip(&conditions) {
-                let column = text(place)?;
+                let column: DictionaryArray<Int32Type> = text(place)?;
                 let holds: Vec<_> = values_of(&column).map(|cell| condition.holds(cell)).collect();
                 for (kept, key) in kept.iter_mut().zip(column.keys().values()) {
                     *kept &= holds[*key as usize].clone().map_err(wrong)?;
@@ -214,6 +269,29 @@ impl Part {
             let texts = texts.iter().map(|&place| text(place)).collect::<Result<_, _>>()?;
             Ok(Batch { texts, values, variances, features, kept })
         }))
+    }
+}
+
+/// Where the cells of a column of text are.
+#[derive(Clone, Copy)]
+enum Text<'a> {
+    /// In the column at this place.
+    Column(usize),
+    /// In the names of the folders: one for all rows.
+    Key(&'a str),
+}
+
+impl Text<'_> {
+    fn place(&self) -> Option<usize> {
+        if let Self::Column(place) = self { Some(*place) } else { None }
+    }
+}
+
+fn is_text(kind: &DataType) -> bool {
+    match kind {
+        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => true,
+        DataType::Dictionary(_, values) => is_text(values),
+        _ => false,
     }
 }
 

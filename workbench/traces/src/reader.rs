@@ -7,7 +7,7 @@ pub use crate::assemble::NO_TIME;
 use crate::assemble::{INTEGRAL, Rows as Given, assemble, elapsed};
 use crate::signal::{Signal, places_of, values_of};
 use crate::table::time_name::{seconds, usual};
-use crate::table::{About, Columns, Table, Wanted};
+use crate::table::{About, Columns, Omitted, Table, Wanted, long_form};
 use crate::time;
 use model::Error;
 use model::trace::{Channels, Trace, stem};
@@ -182,6 +182,9 @@ pub fn series(
 /// The names of the columns of a table that hold numbers, but for its time, and why others do not.
 pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Error>), Error> {
     let header = header_of(table, time)?;
+    if let Some(problem) = long_form(table) {
+        return Err(Error::content(table.path(), "header", problem));
+    }
     let own = |place: &usize| {
         Some(*place) != header.trace
             && Some(*place) != header.time()
@@ -196,7 +199,17 @@ pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Er
             Err(problem) => problems.push(problem),
         }
     }
+    // Where no column has a number, what is nested says more than the words beside it.
+    if let Some(Omitted { place, reason }) = table.about().omitted.first().filter(|_| kept.is_empty()) {
+        return Err(Error::content(table.path(), place.clone(), reason.clone()));
+    }
     Ok((kept, problems))
+}
+
+/// Whether a column of this name is a time.
+#[must_use]
+pub fn is_time(name: &str) -> bool {
+    usual(name).is_some()
 }
 
 /// Whether a table has a time column.
@@ -205,10 +218,10 @@ pub fn has_time(table: &Table, time: Option<&str>) -> bool {
     header_of(table, time).is_ok_and(|header| header.time.is_some() || time.is_none() && table.about().step_s.is_some())
 }
 
-/// Whether a table has the columns of labels, and is no trace.
+/// Whether a table has the columns of labels, or tells in which files signals are, and is no trace.
 pub(crate) fn is_labels(table: &Table) -> bool {
     let has = |wanted: &str| table.names().iter().any(|name| name == wanted);
-    has("trace") && has("class_name")
+    has("trace") && has("class_name") || has("signal_id") && has("signal_file")
 }
 
 /// The columns of one trace.
@@ -237,6 +250,9 @@ fn parts(
     let header = header_of(table, time)?;
     if !is_wanted(&header, table, wanted) {
         return Ok((vec![], vec![]));
+    }
+    if let Some(problem) = long_form(table) {
+        return Err(wrong(problem));
     }
     let signals = signals(&header).map_err(wrong)?;
     let needed = places_of(&signals);
@@ -296,8 +312,12 @@ fn parts(
             let notes = [time::unwrapped(times, Some(tick)), time::evened(times)];
             notes.iter().flatten().for_each(|note| log::warn!("{}: {note}", path.display()));
         }
+        let name = header.time().map_or("", |place| &header.names[place]);
+        if times_s.as_ref().is_some_and(|times| !times.is_empty() && times.iter().all(|time| time.is_nan())) {
+            let problem = "no row has a time; record it again, or leave the time out with --time none";
+            return Err(Error::content(path, format!("column {name} of {}", rows.id), problem));
+        }
         if let Some(at) = times_s.as_deref().and_then(backwards) {
-            let name = header.time().map_or("", |place| &header.names[place]);
             let place = format!("{}, column {name}", columns.place(rows.row(at)));
             return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
         }

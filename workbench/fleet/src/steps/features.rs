@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::labelled::Labelled;
 use super::plans::{known, new_plan};
-use crate::{Plan, Row, Writer};
+use crate::{Plan, Row, Writer, plan_file};
 use model::Error;
 use model::core::Embedded;
 use model::core::features::Catalogue;
@@ -31,7 +31,7 @@ const PLAN_TRACES: u32 = 500;
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FeaturesOptions {
-    /// Take the detector's constants from this part instead of the traces
+    /// Take the detector's constants from this part, or the .plan.json beside it, instead of the traces
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "PART")))]
     pub plan: Option<PathBuf>,
@@ -39,7 +39,7 @@ pub struct FeaturesOptions {
     #[serde(default = "plan_traces")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "N")))]
     pub plan_traces: u32,
-    /// The part, a Parquet file
+    /// The part, a Parquet file; its plan is also written beside it, as FILE.plan.json
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "FILE")))]
     pub out: PathBuf,
 }
@@ -101,6 +101,7 @@ pub fn features(
     }
     let (rows, sorted) = writer.finish()?;
     part.finish()?;
+    outputs::write(&plan_file(&options.out), plan.to_json() + "\n")?;
     met.warn(chosen.len(), sorted, log);
     Ok(Featured {
         rows,
@@ -117,7 +118,7 @@ pub fn features(
 fn check_out(options: &FeaturesOptions, selection: &Selection) -> Result<(), Error> {
     let out = &options.out;
     let inputs = [selection.inputs(), options.plan.iter().cloned().collect()].concat();
-    outputs::plan(&[out], &inputs)?;
+    outputs::plan(&[out, &plan_file(out)], &inputs)?;
     if out.extension().is_none_or(|end| !end.eq_ignore_ascii_case("parquet")) {
         return Err(Error::Usage(format!("{}: a part is a Parquet file; name it .parquet", out.display())));
     }
@@ -135,7 +136,7 @@ impl Featured {
     #[must_use]
     pub fn to_json(&self) -> Value {
         json!({
-            "part": self.out, "rows": self.rows, "traces": self.traces, "features": self.features,
+            "part": self.out, "plan": plan_file(&self.out), "rows": self.rows, "traces": self.traces, "features": self.features,
             "without_features": self.empty.0, "units_ascend": self.sorted, "seconds": self.seconds,
         })
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::beside::files;
 use crate::{Part, Plan, Sums, Units, Wanted};
 use model::Error;
 use model::session::Log;
@@ -13,10 +14,10 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    /// Opens parts and reads sums.
+    /// Opens parts and reads sums, also all of a folder.
     pub(super) fn open(paths: &[PathBuf]) -> Result<Self, Error> {
         let mut inputs = Self { parts: vec![], sums: vec![] };
-        for path in paths {
+        for path in &files(paths)? {
             let mut head = [0; 16];
             let mut file = std::fs::File::open(path).map_err(Error::io(path))?;
             let read = std::io::Read::read(&mut file, &mut head).map_err(Error::io(path))?;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::beside::read_plan;
 use crate::{Origin, Part, Plan};
 use model::Error;
 use model::session::{Selection, prepare};
@@ -9,14 +10,15 @@ use model::settings::Settings;
 use model::trace::{Channels, Preparation};
 use model::train::{self, Recipe, ShaftPlan};
 
-/// The plan of another part, for the same channels and structure.
+/// The plan of another part, or of the file beside one, for the same channels and structure.
 pub(super) fn known(
     settings: &Settings,
     path: &Path,
     (channels, preparation): (&Channels, Preparation),
     shaft: Option<&ShaftPlan>,
 ) -> Result<Plan, Error> {
-    let plan = Part::open(path)?.plan;
+    let is_beside = path.extension().is_some_and(|end| end == "json");
+    let plan = if is_beside { read_plan(path)? } else { Part::open(path)?.plan };
     let (model, by) = (&settings.model, &settings.validation);
     let differs = [
         ("the channels", plan.channels != *channels),

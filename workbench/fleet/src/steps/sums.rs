@@ -19,7 +19,7 @@ use model::train::Recipe;
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SumOptions {
-    /// Parts, and sums of other parts
+    /// Parts, and sums of other parts, or folders of them
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "PARTS", "x-positional" = true)))]
     pub parts: Vec<PathBuf>,
     /// Drives are not complete: further parts have segments of them

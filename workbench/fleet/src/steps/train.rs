@@ -21,7 +21,7 @@ use model::train::{Alarms, Recipe, Trained};
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PartOptions {
-    /// Parts (`features`), or sums (`features-sum`)
+    /// Parts (`features`), sums (`features-sum`), or folders of them
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "PARTS", "x-positional" = true)))]
     pub parts: Vec<PathBuf>,
     /// Leave out the second pass over the parts: tails of the gate's law have their prior probabilities

@@ -25,6 +25,6 @@ pub use missing::Missing;
 pub use names::{extensions, file_name, is_known, stem};
 pub use prepare::Preparation;
 pub use record::{Channels, MotionTrace, ShaftChannels, Trace, bridged, same_interval};
-pub use recorded::{Cells, Recorded};
+pub use recorded::{Cells, Recorded, Times};
 pub use tally::Tally;
 pub use text_form::{Decimal, Separator, TextForm};

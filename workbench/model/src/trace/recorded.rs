@@ -18,8 +18,19 @@ pub enum Cells {
     Numbers(Vec<f64>),
     /// Texts; empty for missing ones.
     Texts(Vec<String>),
+    /// Points or spans of time.
+    Times(Times),
     /// Cells that are neither, with the name of their type.
     Other(String),
+}
+
+/// Points or spans of time of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Times {
+    /// Seconds from the first one; NaN for missing ones.
+    pub seconds: Vec<f64>,
+    /// How well they serve as the time of rows, the smallest best; `None` of days, which are no time of a row.
+    pub rank: Option<u8>,
 }
 
 impl Cells {
@@ -27,6 +38,7 @@ impl Cells {
         match self {
             Self::Numbers(numbers) => Some(numbers.len()),
             Self::Texts(texts) => Some(texts.len()),
+            Self::Times(times) => Some(times.seconds.len()),
             Self::Other(_) => None,
         }
     }
@@ -77,6 +89,7 @@ impl Recorded {
             match cells {
                 Cells::Numbers(numbers) => rows.iter_mut().zip(numbers).for_each(|(row, x)| row.push(x.to_string())),
                 Cells::Texts(texts) => rows.iter_mut().zip(texts).for_each(|(row, x)| row.push(x.trim().into())),
+                Cells::Times(_) => return Err(self.wrong_kind(name, "numbers or text", "times; write them as text")),
                 Cells::Other(kind) => return Err(self.wrong_kind(name, "numbers or text", kind)),
             }
         }

@@ -17,16 +17,15 @@ use model::trace::Recorded;
 
 use crate::damaged::{DAMAGED, guarded};
 use crate::table::about::About;
-use crate::table::arrow_values::{Clock, cells, numbers, rank, text_bytes, texts};
+use crate::table::arrow_values::{cells, numbers, rank, seconds, text_bytes, texts};
 use crate::table::columns::{Columns, Wanted};
+use crate::table::from_first::{FromFirst, HEAD, TEXTS, are_dates};
 use crate::table::limit::Limit;
-use crate::table::{arrow_blocks, clock, doubles, parquet_pages};
+use crate::table::{arrow_blocks, doubles, parquet_pages};
 use model::Error;
 
 /// Rows of one batch.
 const BATCH: usize = 65_536;
-/// Rows at which columns of texts are looked at.
-const HEAD: usize = 64;
 /// The first bytes of Arrow's file format, and of the first version of Feather.
 const FILE: &[u8] = b"ARROW1";
 const OLD: &[u8] = b"FEA1";
@@ -77,14 +76,15 @@ pub(super) fn names(path: &Path, kind: Kind, about: &mut About) -> Result<Vec<St
     let schema = guarded(|| schema(path, kind)).unwrap_or_else(|| Err(wrong(path, kind)(DAMAGED.into())))?;
     let fields = || schema.fields().iter().enumerate();
     for (_, field) in fields().filter(|(_, field)| field.data_type().is_nested()) {
-        let problem = format!("nested values ({}); write them as columns of numbers", field.data_type());
+        let what = if is_list(field.data_type()) { "a signal in each cell" } else { "nested values" };
+        let problem =
+            format!("{what} ({}); write a file for each recording, with columns of numbers", field.data_type());
         about.omit(format!("column {}", field.name()), problem);
     }
     let words = fields().filter(|(_, field)| field.name() != "trace" && is_text(field.data_type()));
     let words: Vec<usize> = words.map(|(place, _)| place).collect();
     let dates = if words.is_empty() { vec![] } else { dates(path, kind, words)? };
-    // Texts are the second best times.
-    let dates = dates.into_iter().map(|place| (1, place));
+    let dates = dates.into_iter().map(|place| (TEXTS, place));
     let times = fields().filter_map(|(place, field)| Some((rank(field.data_type())?, place)));
     let mut clocks: Vec<(u8, usize)> = times.chain(dates).collect();
     clocks.sort_unstable();
@@ -101,6 +101,11 @@ fn schema(path: &Path, kind: Kind) -> Result<SchemaRef, Error> {
         return Err(Error::content(path, "content", NO_ROWS));
     }
     Ok(builder.schema().clone())
+}
+
+fn is_list(kind: &DataType) -> bool {
+    use DataType::{FixedSizeList, LargeList, LargeListView, List, ListView};
+    matches!(kind, List(_) | LargeList(_) | FixedSizeList(..) | ListView(_) | LargeListView(_))
 }
 
 fn is_text(kind: &DataType) -> bool {
@@ -120,9 +125,7 @@ fn dates(path: &Path, kind: Kind, places: Vec<usize>) -> Result<Vec<usize>, Erro
     let head = batch.slice(0, batch.num_rows().min(HEAD));
     let mut limit = Limit::of_file(path)?;
     let mut is_date = |column: &dyn Array| {
-        let cells = limit.claim(text_bytes(column)).ok().and_then(|()| texts(column)).unwrap_or_default();
-        let mut cells = cells.iter().filter(|cell| !cell.is_empty()).peekable();
-        cells.peek().is_some() && cells.all(|cell| clock::iso_nanoseconds(cell).is_some())
+        are_dates(&limit.claim(text_bytes(column)).ok().and_then(|()| texts(column)).unwrap_or_default())
     };
     Ok(places.into_iter().zip(head.columns()).filter(|(_, own)| is_date(own)).map(|(place, _)| place).collect())
 }
@@ -209,7 +212,7 @@ fn batches(
         ..Columns::default()
     };
     let mut limit = Limit::of_file(path)?;
-    let mut since = vec![Clock::default(); wanted.numbers.len()];
+    let mut since = vec![FromFirst::default(); wanted.numbers.len()];
     let mut before = 0;
     for batch in batches {
         let batch = batch.map_err(&wrong)?;
@@ -227,7 +230,7 @@ fn batches(
             }
             None => None,
         };
-        for ((column, place), clock) in columns.numbers.iter_mut().zip(wanted.numbers).zip(&mut since) {
+        for ((column, place), since) in columns.numbers.iter_mut().zip(wanted.numbers).zip(&mut since) {
             let array = own(place);
             if let (Some(plain), None) =
                 (array.as_primitive_opt::<Float64Type>().filter(|_| array.null_count() == 0), &kept)
@@ -238,16 +241,11 @@ fn batches(
             let values = if clocks.contains(place) && is_text(array.data_type()) {
                 limit.claim(text_bytes(array)).map_err(&wrong)?;
                 let cells = texts(array).unwrap_or_default();
-                clock.of_texts(&cells).map_err(|row| {
-                    let place = format!("row {}, column {}", before + row + 1, names[*place]);
-                    Error::content(
-                        path,
-                        place,
-                        format!("\"{}\" is no date with a time, as other rows have", cells[row]),
-                    )
+                since.of_texts(&cells).map_err(|(row, problem)| {
+                    Error::content(path, format!("row {}, column {}", before + row + 1, names[*place]), problem)
                 })?
             } else {
-                let values = clock.seconds(array).or_else(|| numbers(array));
+                let values = seconds(since, array).or_else(|| numbers(array));
                 values.ok_or_else(|| problem(place, format!("no numbers but {}", array.data_type())))?
             };
             match &kept {

@@ -11,10 +11,9 @@ use arrow_array::types::{
 use arrow_array::{Array, ArrowPrimitiveType, PrimitiveArray};
 use arrow_schema::DataType;
 
-use model::trace::Cells;
+use model::trace::{Cells, Times};
 
-use super::clock::iso_nanoseconds;
-use super::columns::is_missing;
+use super::from_first::{DATES, FromFirst, OF_DAY, POINTS, SPANS};
 use super::limit::NUMBER;
 
 /// Bytes of a text beside its letters.
@@ -96,65 +95,44 @@ fn decimals<T: DecimalType>(array: &PrimitiveArray<T>, whole: impl Fn(T::Native)
 /// is the best. A day is no time of a row.
 pub(super) fn rank(kind: &DataType) -> Option<u8> {
     match kind {
-        DataType::Timestamp(..) => Some(0),
-        DataType::Time32(_) | DataType::Time64(_) => Some(2),
-        DataType::Duration(_) => Some(3),
-        DataType::Date64 => Some(4),
+        DataType::Timestamp(..) => Some(POINTS),
+        DataType::Time32(_) | DataType::Time64(_) => Some(OF_DAY),
+        DataType::Duration(_) => Some(SPANS),
+        DataType::Date64 => Some(DATES),
         _ => None,
     }
 }
 
-/// Seconds from the first value; batches come one after the other.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Clock {
-    first: Option<i128>,
-}
-
-impl Clock {
-    /// The seconds of an array of times, NaN for missing ones; `None` of one of other values.
-    pub(super) fn seconds(&mut self, array: &dyn Array) -> Option<Vec<f64>> {
-        macro_rules! each {
-            ($($kind:ty => $a_second:expr, $units:expr),+) => {
-                $(if let Some(array) = array.as_primitive_opt::<$kind>() {
-                    let times = array.iter().map(|time| time.map(|time| i128::from(time) * $units));
-                    return Some(self.since(times, $a_second));
-                })+
-            };
-        }
-        each!(
-            TimestampSecondType => 1.0, 1, TimestampMillisecondType => 1e3, 1, TimestampMicrosecondType => 1e6, 1,
-            TimestampNanosecondType => 1e9, 1, DurationSecondType => 1.0, 1, DurationMillisecondType => 1e3, 1,
-            DurationMicrosecondType => 1e6, 1, DurationNanosecondType => 1e9, 1, Time32SecondType => 1.0, 1,
-            Time32MillisecondType => 1e3, 1, Time64MicrosecondType => 1e6, 1, Time64NanosecondType => 1e9, 1,
-            Date32Type => 1.0, 86_400, Date64Type => 1e3, 1
-        );
-        None
-    }
-
-    /// The seconds of texts that are dates with times.
-    ///
-    /// # Errors
-    /// The row of a text that is none.
-    pub(super) fn of_texts(&mut self, texts: &[String]) -> Result<Vec<f64>, usize> {
-        let time = |(row, text): (usize, &String)| match iso_nanoseconds(text) {
-            None if is_missing(text.trim()) => Ok(None),
-            time => time.map(Some).ok_or(row),
+/// The seconds of an array of times, NaN for missing ones; `None` of one of other values.
+pub(super) fn seconds(since: &mut FromFirst, array: &dyn Array) -> Option<Vec<f64>> {
+    macro_rules! each {
+        ($($kind:ty => $a_second:expr, $units:expr),+) => {
+            $(if let Some(array) = array.as_primitive_opt::<$kind>() {
+                let times = array.iter().map(|time| time.map(|time| i128::from(time) * $units));
+                return Some(since.seconds(times, $a_second));
+            })+
         };
-        let times = texts.iter().enumerate().map(time).collect::<Result<Vec<_>, _>>()?;
-        Ok(self.since(times.into_iter(), 1e9))
     }
-
-    fn since(&mut self, times: impl Iterator<Item = Option<i128>>, a_second: f64) -> Vec<f64> {
-        let second = |time: Option<i128>| {
-            time.map_or(f64::NAN, |time| (time - *self.first.get_or_insert(time)) as f64 / a_second)
-        };
-        times.map(second).collect()
-    }
+    each!(
+        TimestampSecondType => 1.0, 1, TimestampMillisecondType => 1e3, 1, TimestampMicrosecondType => 1e6, 1,
+        TimestampNanosecondType => 1e9, 1, DurationSecondType => 1.0, 1, DurationMillisecondType => 1e3, 1,
+        DurationMicrosecondType => 1e6, 1, DurationNanosecondType => 1e9, 1, Time32SecondType => 1.0, 1,
+        Time32MillisecondType => 1e3, 1, Time64MicrosecondType => 1e6, 1, Time64NanosecondType => 1e9, 1,
+        Date32Type => 1.0, 86_400, Date64Type => 1e3, 1
+    );
+    None
 }
 
 /// The cells of the chunks of a column.
 pub(super) fn cells<'a>(chunks: impl Iterator<Item = &'a dyn Array> + Clone) -> Cells {
-    let kind = chunks.clone().next().map_or_else(String::new, |array| array.data_type().to_string());
+    let first = chunks.clone().next().map(|array| array.data_type().clone());
+    let mut since = FromFirst::default();
+    if let Some(kind) = &first
+        && let Some(found) = chunks.clone().map(|array| seconds(&mut since, array)).collect::<Option<Vec<_>>>()
+    {
+        return Cells::Times(Times { seconds: found.concat(), rank: rank(kind) });
+    }
+    let kind = first.map_or_else(String::new, |kind| kind.to_string());
     if let Some(found) = chunks.clone().map(numbers).collect::<Option<Vec<_>>>() {
         return Cells::Numbers(found.concat());
     }

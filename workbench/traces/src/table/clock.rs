@@ -92,7 +92,6 @@ pub(in crate::table) fn nanoseconds(cell: &str) -> Option<i128> {
 }
 
 /// The same of a date with a time of the day in the forms of ISO 8601, such as `2026-11-26T01:00:00,5+01:00`.
-#[cfg(feature = "parquet")]
 pub(in crate::table) fn iso_nanoseconds(text: &str) -> Option<i128> {
     let marks = [(4, b'-'), (7, b'-'), (13, b':')];
     let bytes = text.trim().as_bytes();
@@ -227,7 +226,6 @@ mod tests {
         }
     }
 
-    #[cfg(feature = "parquet")]
     #[test]
     fn dates_with_times_are_read_to_the_nanosecond() {
         let midnight = 1_795_651_200 * 1_000_000_000;

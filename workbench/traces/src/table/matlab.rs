@@ -5,7 +5,7 @@
 //! m               a matrix                  columns m_1, m_2, …, along its longer side
 //! s.a, s.b        fields of a structure     columns s.a, s.b; a, b if s is the only variable
 //! s.signals(k)    "structure with time"     column of the signal's label, beside s.time
-//! s.Y(k)          channels with Name, Data  column of the channel's name
+//! s.Y(k)          channels with Name, Data  column of the channel's name; those of s.X are times
 //! r               a number                  a constant column
 //! z               complex numbers           columns z_re, z_im
 //! ```
@@ -22,7 +22,7 @@ use crate::damaged::guarded;
 use crate::table::about::About;
 use crate::table::arrays::{along_longer, of_one_length, only_variable};
 use crate::table::matlab_value::{OBJECT, Value};
-use crate::table::{limit, matlab_4, matlab_arrays, matlab_elements, matlab_hdf5};
+use crate::table::{limit, matlab_4, matlab_arrays, matlab_elements, matlab_hdf5, time_name};
 use model::Error;
 
 /// What a file of format 7.3 has behind its text header.
@@ -74,20 +74,23 @@ pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<V
     });
     let value = value.unwrap_or(Ok(None)).map_err(|problem| Error::content(path, "content", problem))?;
     let Some(Value::Fields(variables)) = value else { return Err(unreadable()) };
-    let mut found = Found { columns: Vec::new(), about };
+    let mut found = Found { columns: Vec::new(), axes: Vec::new(), about };
     for (name, value) in &variables {
         found.add(name, value);
     }
-    let Found { mut columns, about } = found;
+    let Found { mut columns, mut axes, about } = found;
     let objects = about.omitted.iter().filter(|own| own.reason == OBJECT);
     if let Some(first) = objects.clone().next().filter(|_| columns.is_empty()) {
         let problem = format!("nothing but {OBJECT}");
         return Err(Error::content(path, first.place.clone(), problem));
     }
     if let Some(alone) = only_variable(&columns) {
-        columns.iter_mut().for_each(|(name, _)| *name = name[alone..].to_string());
+        columns.iter_mut().map(|(name, _)| name).chain(&mut axes).for_each(|name| *name = name[alone..].to_string());
     }
-    of_one_length(path, columns, about)
+    let (names, columns) = of_one_length(path, columns, about)?;
+    let is_axis = |place: &usize| axes.contains(&names[*place]) && time_name::rises(&columns[*place]);
+    about.clocks.extend((0..names.len()).find(is_axis));
+    Ok((names, columns))
 }
 
 /// Reads the variables of format 7.3.
@@ -108,6 +111,8 @@ fn variables(bytes: &[u8]) -> Result<Option<Value>, String> {
 /// What is found of a file.
 struct Found<'a> {
     columns: Named,
+    /// Names of the columns that are channels of a field X, which are the times of those of Y.
+    axes: Vec<String>,
     about: &'a mut About,
 }
 
@@ -119,7 +124,11 @@ impl Found<'_> {
             let list = name.split_once('(').map_or(name, |(list, _)| list);
             let short = list.rsplit_once('.').map_or(label.to_string(), |(outer, _)| format!("{outer}.{label}"));
             let is_taken = self.columns.iter().any(|(own, _)| *own == short);
-            return self.add(&if is_taken { format!("{list}.{label}") } else { short }, data);
+            let name = if is_taken { format!("{list}.{label}") } else { short };
+            if list.ends_with(".X") {
+                self.axes.push(name.clone());
+            }
+            return self.add(&name, data);
         }
         match value {
             Value::Numbers { rows, values } => self.columns.extend(arrays(name, *rows, values)),
@@ -240,7 +249,7 @@ mod tests {
             ("blockName".into(), Value::Text("model".into())),
         ]);
         let mut about = About::default();
-        let mut found = Found { columns: vec![], about: &mut about };
+        let mut found = Found { columns: vec![], axes: vec![], about: &mut about };
         found.add("log", &with_time);
         let found = found.columns;
         let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
@@ -269,10 +278,11 @@ mod tests {
             ("Y".into(), Value::List(fast.to_vec())),
         ]);
         let mut about = About::default();
-        let mut found = Found { columns: vec![], about: &mut about };
+        let mut found = Found { columns: vec![], axes: vec![], about: &mut about };
         found.add("N09_1", &run);
         let names: Vec<&str> = found.columns.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["N09_1.t", "N09_1.phase_current_1", "N09_1.force", "N09_1.Y.t"]);
+        assert_eq!(found.axes, ["N09_1.t"]);
         assert_eq!((found.columns[1].1.clone(), about.omitted.len()), (vec![1.0, 2.0], 0));
     }
 

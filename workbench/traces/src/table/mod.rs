@@ -33,12 +33,14 @@ mod digits;
 mod doubles;
 mod encoding;
 mod formats;
+pub mod from_first;
 #[cfg(feature = "matlab")]
 mod hdf5;
 mod header;
 mod layout;
 mod limit;
 mod lines;
+mod long_form;
 mod marks;
 #[cfg(feature = "matlab")]
 mod matlab;
@@ -84,6 +86,8 @@ pub use about::{About, Omitted};
 #[cfg(feature = "parquet")]
 pub use arrow::of_batches;
 pub use columns::{Columns, LARGEST, Wanted};
+pub use formats::is_unread;
+pub(crate) use long_form::problem as long_form;
 pub use text::csv_error;
 pub use write::write;
 
@@ -171,7 +175,7 @@ impl Table {
             path: recorded.name().into(),
             names,
             content: Content::Memory(Arc::clone(recorded)),
-            about: About::default(),
+            about: About { clocks: memory::clocks(recorded), ..About::default() },
             id: None,
         }
     }
@@ -224,7 +228,7 @@ impl Table {
             },
             #[cfg(feature = "parquet")]
             Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, &self.about.clocks, wanted)?,
-            Content::Memory(recorded) => memory::read(recorded, wanted)?,
+            Content::Memory(recorded) => memory::read(recorded, &self.about.clocks, wanted)?,
         };
         // As a list first: the first column with such a value is told, whichever thread is first.
         let checks: Vec<Result<(), Unusable>> = columns.numbers.par_iter_mut().map(|own| settle(own)).collect();

@@ -96,14 +96,14 @@ pub(super) type GateOrReason = Result<Gate, String>;
 /// Returns the gate if rate and segments allow it.
 pub(super) fn checked(
     alarms: &Alarms,
-    scarcity: Option<String>,
+    scarcity: impl FnOnce() -> Option<String>,
     gate: impl FnOnce() -> Result<Gate, Error>,
 ) -> Result<GateOrReason, Error> {
     let rate = alarms.false_alarm;
     if !(1e-9..=0.5).contains(&rate) {
         return Err(Error::Usage(format!("--false-alarm {rate}: give a rate from 1e-9 to 0.5 a segment")));
     }
-    match scarcity {
+    match scarcity() {
         Some(problem) if alarms.required => Err(Error::Training(problem)),
         Some(problem) => Ok(Err(problem)),
         None => gate().map(Ok),

@@ -44,7 +44,7 @@ pub(super) fn gate(
 ) -> Result<GateOrReason, Error> {
     let class = alarms.healthy.ok_or_else(|| Error::Training("no healthy class".into()))?;
     let healthy = Healthy { fitted, ..Healthy::of(table, class, runs) };
-    let scarcity = healthy.scarcity(names, alarms.false_alarm);
+    let scarcity = || healthy.scarcity(names, alarms.false_alarm);
     checked(alarms, scarcity, || healthy.gate(class, (names, rising), alarms.false_alarm))
 }
 

@@ -84,7 +84,7 @@ pub fn train(
             Some(runs) => Counted::Runs(runs.count),
             None => Counted::Rows(healthy.rows),
         };
-        let scarce = scarcity(counted, 0, names, alarms.false_alarm);
+        let scarce = || scarcity(counted, 0, names, alarms.false_alarm);
         checked(alarms, scarce, || healthy.gate(tails, (names, rising), alarms))
     };
     watch((names, segment_s), recipe, densities, &gate, &TrainingSet::Counts(sizes))
