@@ -65,7 +65,7 @@ def train(
     drive: Optional[_Path], options: dict[str, Any], traces: Optional[_Tables], labels: Optional[_Table]
 ) -> tuple[Model, list[str]]: ...
 def read(
-    file: _Path, channels: Optional[Sequence[str]], time: Optional[str], rate_hz: Optional[float]
+    file: _Path, channels: Optional[Sequence[str]], options: dict[str, Any]
 ) -> tuple[
     list[tuple[str, Optional[npt.NDArray[np.float64]], dict[str, npt.NDArray[np.float64]]]],
     list[tuple[str, str]],

@@ -70,6 +70,10 @@ def read(
     *,
     time: Optional[str] = None,
     rate_hz: Optional[float] = None,
+    skip: Optional[int] = None,
+    units_row: bool = False,
+    separator: Optional[str] = None,
+    decimal: Optional[str] = None,
 ) -> Union[Trace, list[Trace]]:
     """Read a trace file of any format that the command line reads.
 
@@ -83,6 +87,10 @@ def read(
         Name of the time column, if it has no usual name; ``"none"`` for none.
     rate_hz : float, optional
         Rows a second of a file without time.
+    skip, units_row, separator, decimal : optional
+        The layout of a text file that is not guessed rightly: lines before its header; whether its first line has names
+        and the next one units; the separator (a character, or tab, blank, comma, semicolon, bar); the decimal mark
+        ("point" or "comma"; the other one then separates thousands).
 
     Returns
     -------
@@ -104,7 +112,8 @@ def read(
     if isinstance(channels, str):
         raise TypeError("channels is a list of names")
     names = None if channels is None else list(channels)
-    found, units, notes = _core.read(path, names, time, rate_hz)
+    layout = {"skip": skip, "units_row": units_row or None, "separator": separator, "decimal": decimal}
+    found, units, notes = _core.read(path, names, {"time": time, "rate_hz": rate_hz, **layout})
     warn(notes)
     traces = [Trace(name, columns, dict(units), times) for name, times, columns in found]
     return traces[0] if len(traces) == 1 and traces[0].name == os.path.basename(path) else traces

@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use model::Error;
 use model::session::{Log, Quiet};
-use model::settings::{Settings, Use};
+use model::settings::{Data, Settings, TIMES, Use};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -22,6 +21,9 @@ use crate::pool::detached;
 /// Traces, the units of their columns, and what was left out or guessed.
 type Read<'py> = (Bound<'py, PyList>, Vec<(String, String)>, Vec<String>);
 
+/// What a reading of a file is asked for beside its channels.
+const READ: Use = Use { name: "read", keys: &[TIMES], required: &[] };
+
 /// Reads channels of every trace of a file, all columns of numbers if none are named. Returns a list of (name, time or
 /// None, columns), the units of the columns, and what was left out or guessed.
 #[pyfunction]
@@ -29,14 +31,13 @@ pub(crate) fn read<'py>(
     py: Python<'py>,
     file: PathBuf,
     channels: Option<Vec<String>>,
-    time: Option<String>,
-    rate_hz: Option<f64>,
+    options: &Bound<'py, PyDict>,
 ) -> PyResult<Read<'py>> {
+    let data = settings_of(&READ, None, options)?.data;
+    let form = data.text_form();
+    let Data { time, rate_hz, .. } = data;
     let read = || {
-        if rate_hz.is_some_and(|rate| !(rate > 0.0 && rate.is_finite())) {
-            return Err(Error::Usage("rate_hz is above 0".into()));
-        }
-        let table = Table::open(&file)?;
+        let table = Table::open_as(&file, &form)?;
         let (names, problems) = match channels {
             Some(names) => (names, vec![]),
             None => reader::numeric(&table, time.as_deref())?,

@@ -112,3 +112,13 @@ def test_what_is_left_out_or_asked_is_a_warning(tmp_path):
     with pytest.warns(bw.BearingWatchWarning) as told:
         bw.init(tmp_path)
     assert any("Which recordings are healthy" in str(one.message) for one in told)
+
+
+def test_the_layout_of_a_text_is_given_where_guessing_fails(tmp_path):
+    file = tmp_path / "odd.txt"
+    file.write_text("1~2\n3~4\nt_s~n\ns~foo\n0~2,000\n0.5~13,000.5\n1~7\n")
+    trace = bw.read(file, skip=2, units_row=True, separator="~", decimal="point")
+    assert trace["n"].tolist() == [2000.0, 13000.5, 7.0]
+    assert trace.interval_s == 0.5
+    with pytest.raises(bw.BearingWatchError, match="separates no cells"):
+        bw.read(file, separator="7")
