@@ -1,5 +1,5 @@
 //! The interrupt samples, the main loop solves: [`Detector::collect`](bearing_watch::Detector::collect) returns the
-//! sums of a closed segment, `Model::conclude` (or `Solver::advance`, a piece at a time) makes the report, and
+//! sums of a closed segment, `Monitor::conclude` (or `Monitor::advance`, a piece at a time) makes the report, and
 //! `Detector::adopt` makes its estimate the auxiliary model. Three ways print the same bits: solved at once in the
 //! interrupt, solved as a whole in the main loop, and solved there by pieces. The program fails if the bits differ, if
 //! a segment was lost, or if an estimate came too late to be adopted.
@@ -30,7 +30,7 @@ mod support;
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use bearing_watch::{Detector, Report, Segment, Solver, Verdict};
+use bearing_watch::{Detector, Monitor, Report, Segment, Verdict};
 use heapless::spsc;
 
 use support::refined::{MODEL, Plant, Refined};
@@ -89,10 +89,11 @@ fn run() {
     let inline = inline();
     let Some((producer, mut consumer)) = timer::queue().map(Queue::split) else { return };
     timer::start(Shared::new(producer));
-    let whole = deferred("whole", &mut consumer, |segment| MODEL.conclude(segment));
+    let mut monitor = Monitor::new(&MODEL);
+    let whole = deferred("whole", &mut consumer, |segment| monitor.conclude(segment).report.clone());
     let mut pieces = 0;
     let by_pieces = deferred("by pieces", &mut consumer, |segment| {
-        let (report, count) = conclude_by_pieces(segment);
+        let (report, count) = conclude_by_pieces(&mut monitor, segment);
         pieces = count.max(pieces);
         report
     });
@@ -142,13 +143,13 @@ fn deferred(
 }
 
 /// The report, and the number of its pieces.
-fn conclude_by_pieces(segment: Segment<Refined>) -> (Report<Refined>, u32) {
-    let mut solver = Solver::new(&MODEL, segment);
+fn conclude_by_pieces(monitor: &mut Monitor<'_, Refined>, segment: Segment<Refined>) -> (Report<Refined>, u32) {
+    monitor.take(segment);
     let mut pieces = 0_u32;
     loop {
         pieces += 1;
-        if let Some(report) = solver.advance() {
-            return (report.clone(), pieces);
+        if let Some(now) = monitor.advance() {
+            return (now.report.clone(), pieces);
         }
         if pieces.is_multiple_of(PIECES_A_SAMPLE) {
             wait_for_a_sample();

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! interrupt   row ─► FrontEnd ─► Sample ─► Detector::collect ─► queue
-//! main loop   queue ─► Solver::advance, a piece between two rows ─► adopt, verdict, evidence, alarm
+//! main loop   queue ─► Monitor::advance, a piece between two rows ─► adopt, verdict, alarm
 //! ```
 //!
 //! The recording is the file `rows.bin` of the working directory, which `bearing-watch replay --rows` writes, and the
@@ -37,12 +37,12 @@ mod model {
 
 use core::hint::black_box;
 
-use bearing_watch::{Detector, RawSample, Segment, Solver};
+use bearing_watch::{Detector, RawSample, Segment};
 use heapless::spsc::{Consumer, Producer, Queue};
 use support::count::Counter;
 
 use drive_parts::{Sampler, Watch};
-use model::{Drive, FURTHER, MODEL};
+use model::{Drive, FURTHER};
 use rows::Rows;
 
 main!(run);
@@ -62,7 +62,6 @@ impl Interrupt<'_> {
 /// What the main loop works on.
 struct MainLoop<'a> {
     closed: Consumer<'a, Segment<Drive>>,
-    solver: Option<Solver<'static, Drive>>,
     watch: Watch,
 }
 
@@ -70,15 +69,14 @@ impl MainLoop<'_> {
     /// One piece of work. Not inlined, so that what it moves takes no stack during the interrupt.
     #[inline(never)]
     fn turn(&mut self, detector: &mut Detector<'static, Drive>) {
-        if self.solver.is_none() {
-            self.solver = self.closed.dequeue().map(|segment| Solver::new(&MODEL, segment));
+        if !self.watch.monitor.is_solving() {
+            if let Some(segment) = self.closed.dequeue() {
+                self.watch.monitor.take(segment);
+            }
             return;
         }
-        let Some(report) = self.solver.as_mut().and_then(|solver| solver.advance()) else { return };
         // On a chip with the interrupt disabled.
-        let _in_time = detector.adopt(report);
-        self.watch.observe(report);
-        self.solver = None;
+        self.watch.advance(|report| detector.adopt(report));
     }
 }
 
@@ -90,7 +88,7 @@ fn run() {
         Err(message) => return say!("{message}"),
     };
     let mut interrupt = Interrupt { sampler, closed: producer };
-    let mut main_loop = MainLoop { closed: consumer, solver: None, watch: Watch::new() };
+    let mut main_loop = MainLoop { closed: consumer, watch: Watch::new() };
     let Some(mut rows) = Rows::<FURTHER>::open() else {
         say!("no recording rows.bin: see cargo xtask pil");
         return;
@@ -101,7 +99,7 @@ fn run() {
             cost.interrupt(|| interrupt.sample(black_box(&raw)));
             main_loop.turn(&mut interrupt.sampler.detector);
         }
-        while main_loop.solver.is_some() || main_loop.closed.ready() {
+        while main_loop.watch.monitor.is_solving() || main_loop.closed.ready() {
             main_loop.turn(&mut interrupt.sampler.detector);
         }
     });

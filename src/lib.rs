@@ -1,24 +1,25 @@
 //! Bearing-fault detection next to the current loop, from signals that a motor drive already has.
 //!
 //! ```
-//! use bearing_watch::{Detector, Verdict};
+//! use bearing_watch::{Detector, Monitor, Verdict};
 //! // `bearing-watch train --rust model.rs` writes this module: the plan `Drive`, its `Sample`, and `MODEL`.
 //! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
 //! use model::{MODEL, Sample};
 //!
-//! let mut detector = Detector::new(&MODEL);
-//! let mut evidence = MODEL.evidence();
+//! let mut detector = Detector::new(&MODEL); // of the sampling interrupt
+//! let mut monitor = Monitor::new(&MODEL); // of the main loop
 //! for k in 0..10_000 {
 //!     // On a drive: the quadrature current, the velocity reference and the load at each sampling instant.
 //!     let t = 0.002 * k as f32;
 //!     let sample = Sample { current_a: t.sin(), velocity_ref_rad_s: 40.0 * t.cos(), load_torque_nm: 0.1 };
-//!     if let Some(report) = detector.step(&sample) {
-//!         match report.verdict {
+//!     if let Some(segment) = detector.collect(&sample) {
+//!         let now = monitor.conclude(segment);
+//!         match now.report.verdict {
 //!             Verdict::Class(class) => println!("{}", MODEL.label(class)),
 //!             Verdict::Novel | Verdict::Ambiguous => println!("unknown"),
 //!             Verdict::Undetermined(reason) => println!("no verdict: {reason}"),
 //!         }
-//!         if let Some(alarm) = evidence.observe_outcome(report.outcome()) {
+//!         if let Some(alarm) = now.alarm {
 //!             println!("alarm since segment {}", alarm.segment);
 //!         }
 //!     }
@@ -37,14 +38,14 @@
 //!             Decision ─► Verdict;   Evidence ─► Alarm, Trend;   Baseline: follows slow changes, on request
 //!             Commissioning: a healthy class learned on the drive, on request
 //! model       trained constants: checked at compile time, or read from bytes
-//! detector    ties them: one sample in, one Report a segment out
+//! detector    Detector, of the interrupt: samples ─► Segment;   Monitor, of the main loop: Segment ─► Report, Alarm
 //! saved       alarm and baseline as bytes;   storage  records in flash that survive power-off
 //! telemetry   reports and samples as frames for a serial line, and their decoder
 //! signature   signed models, and saved states under a key of the drive
 //! ```
 //!
-//! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM); both take one type parameter,
-//! the plan ([`plan!`]). The crate is `no_std`, allocates nothing (but for the host's feature `alloc`), contains no
+//! A [`Model`] holds trained constants (flash); a [`Detector`] is what the sampling interrupt owns, a [`Monitor`] what
+//! the main loop owns. All take one type parameter, the plan ([`plan!`]). The crate is `no_std`, allocates nothing (but for the host's feature `alloc`), contains no
 //! `unsafe`, and uses no fused multiply-add: the same samples give the same bits on a host and on a Cortex-M4F. A bad
 //! sample is counted and skipped; no function panics.
 //!
@@ -105,7 +106,7 @@ mod unroll;
 pub use average::Average;
 pub use decide::{Alarm, Baseline, Cause, Commissioning, CommissioningError, Decision, Evidence, Trend};
 pub use decide::{Silence, SilenceLimits};
-pub use detector::{Detector, Segment, Solver};
+pub use detector::{Conclusion, Detector, Monitor, Segment, Solver};
 #[cfg(feature = "embedded-hal")]
 pub use drive::ad2s1210;
 pub use drive::{Abc, AlphaBeta, Angle, Dq0, Park, SinCos};

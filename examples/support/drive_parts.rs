@@ -1,7 +1,7 @@
 //! The work of interrupt and main loop of a drive on a recording, without what connects them: `drive` and the crates of
 //! `frameworks` share it.
 
-use bearing_watch::{Detector, Evidence, RawSample, Report, Segment, Verdict};
+use bearing_watch::{Conclusion, Detector, Monitor, RawSample, Report, Segment, Verdict};
 
 use crate::model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
 use crate::support::hash::Hash;
@@ -30,7 +30,7 @@ impl Sampler {
         self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
         if clean.found_late {
             // A fault that shows only after a window of samples: those before were wrong.
-            let _segment_before_in_doubt = self.detector.discard();
+            self.detector.discard();
         }
         if self.started
             && let Some(segment) = self.detector.collect(&clean.into())
@@ -41,35 +41,39 @@ impl Sampler {
     }
 }
 
-/// What the main loop works on, but for the solver.
+/// What the main loop works on.
 pub struct Watch {
-    evidence: Evidence<Drive>,
+    pub monitor: Monitor<'static, Drive>,
     segments: u32,
 }
 
 impl Watch {
     pub fn new() -> Self {
-        Self { evidence: MODEL.evidence(), segments: 0 }
+        Self { monitor: Monitor::new(&MODEL), segments: 0 }
     }
 
-    /// Adds the evidence of a report and prints it. A drive sends the report instead.
-    pub fn observe(&mut self, report: &Report<Drive>) {
-        let alarm = self.evidence.observe_outcome(report.outcome()).is_some();
-        print(self.segments, report, alarm);
-        self.segments += 1;
+    /// Does a piece of the solve of a segment; with the last one gives the report to `adopt` and prints it. A drive sends
+    /// it instead.
+    pub fn advance<T>(&mut self, adopt: impl FnOnce(&Report<Drive>) -> T) {
+        if let Some(now) = self.monitor.advance() {
+            let _in_time = adopt(now.report);
+            print(self.segments, now);
+            self.segments += 1;
+        }
     }
 
-    /// Prints the last line.
-    pub fn end(&self, sampler: &Sampler) {
+    /// Ends the run and prints the last line.
+    pub fn end(&mut self, sampler: &Sampler) {
+        let end = if self.monitor.end_run().is_some() { ", ALARM" } else { "" };
         let (segments, lost, clear) = (self.segments, sampler.lost, sampler.front_end.faults().is_clear());
-        say!("{segments} segments, {lost} lost, front end clear: {clear}");
+        say!("{segments} segments, {lost} lost, front end clear: {clear}{end}");
     }
 }
 
 /// Prints a report with the bits of its log-likelihoods and the hash of all its numbers.
-fn print(number: u32, report: &Report<Drive>, alarm: bool) {
+fn print(number: u32, Conclusion { report, alarm, .. }: Conclusion<'_, Drive>) {
     let rows = report.rows;
-    let end = if alarm { ", ALARM" } else { "" };
+    let end = if alarm.is_some() { ", ALARM" } else { "" };
     match report.verdict {
         Verdict::Class(class) => say!("segment {number}: {rows} rows, {}{end}", MODEL.label(class)),
         Verdict::Novel => say!("segment {number}: {rows} rows, novel{end}"),

@@ -11,9 +11,14 @@
 //! without interrupts call [`Detector::step`], which does all of it.
 
 mod commissioning;
+mod monitor;
+mod sequence;
 mod solver;
 
+pub use monitor::{Conclusion, Monitor};
 pub use solver::{Segment, Solver};
+
+use sequence::Sequence;
 
 use crate::average::{self, Averages};
 use crate::drive::BlockMean;
@@ -58,6 +63,8 @@ pub struct Detector<'m, P: Plan> {
     samples: u32,
     /// Samples of the open segment of which the shaft could use every channel.
     usable: u32,
+    /// Of the open segment.
+    sequence: Sequence,
 }
 
 impl<'m, P: Plan> Detector<'m, P> {
@@ -75,6 +82,7 @@ impl<'m, P: Plan> Detector<'m, P> {
             averages: average::empty(plan),
             samples: 0,
             usable: 0,
+            sequence: Sequence::default(),
         }
     }
 
@@ -160,6 +168,7 @@ impl<'m, P: Plan> Detector<'m, P> {
             whole,
             failed: arithmetic_test().err(),
             model: self.model.mark(),
+            sequence: self.sequence,
         }
     }
 
@@ -194,6 +203,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     fn next_segment(&mut self) {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         (self.samples, self.usable) = (0, 0);
+        self.sequence = self.sequence.next();
         self.averages = average::empty(plan);
         self.gate.next_segment();
         if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
@@ -235,16 +245,23 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// [`CleanSample::found_late`](crate::CleanSample::found_late). The segment closes where it would have, and has a
     /// verdict if half of it follows this call and is usable. Fading memory begins anew.
     ///
-    /// Returns whether less than half of the segment had passed: the fault may have begun in the segment before, whose
-    /// report is in doubt, too. Firmware that keeps each report until half of the next segment has passed can withdraw
-    /// it by [`Report::doubt`] before the evidence takes it; an alarm needs more than one segment in any case.
+    /// If less than half of the segment had passed, the fault may have begun in the segment before: [`Monitor`] then
+    /// withdraws the report of that one, which its evidence has not taken yet.
     #[cold]
     #[inline(never)]
-    pub fn discard(&mut self) -> bool {
+    pub fn discard(&mut self) {
         // The open block of a mean keeps its place among the samples, and is spoilt.
         self.spoiled = !self.block.is_empty();
         self.renew();
-        self.samples < self.model.constants().sampling.segment_samples / 2
+        if self.samples < self.model.constants().sampling.segment_samples / 2 {
+            self.sequence.doubt();
+        }
+    }
+
+    /// Whether [`Detector::discard`] has put the segment before the open one in doubt. Its [`Segment`] says so too.
+    #[must_use]
+    pub const fn doubts_before(&self) -> bool {
+        self.sequence.doubts()
     }
 
     /// Starts afresh without a report, for a stream that does not continue from the last sample: lags, sums and
@@ -252,6 +269,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     pub fn restart(&mut self) {
         (self.gate, self.block) = (Gate::new(self.model.plan()), BlockMean::new());
         (self.spoiled, self.samples) = (false, 0);
+        self.sequence.trust();
         self.renew();
     }
 

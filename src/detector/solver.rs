@@ -1,5 +1,6 @@
 //! A closed segment → its [`Report`], at once or in pieces of bounded cost.
 
+use super::sequence::Sequence;
 use crate::average::{self, Averages};
 use crate::decide::{Baseline, Classification, Decision, Finding};
 use crate::estimate::{RegressionSolve, RegressionSums};
@@ -12,7 +13,7 @@ use crate::sample::Counts;
 use crate::shaft::{ShaftSolve, ShaftSums};
 
 /// Instructions of a piece, about; its last step may exceed them.
-const PIECE: usize = 140;
+pub(super) const PIECE: usize = 140;
 
 /// The sums of a closed segment, separate from the detector.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +31,8 @@ pub struct Segment<P: Plan> {
     pub(super) failed: Option<Kernel>,
     /// The mark of the model.
     pub(super) model: u32,
+    /// Its place among the segments of the detector.
+    pub(super) sequence: Sequence,
 }
 
 /// What the next piece does.
@@ -82,7 +85,7 @@ impl<'m, P: Plan> Solver<'m, P> {
 /// The state of a solve apart from its segment and its report, which are not moved.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Solve<P: Plan> {
+pub(super) struct Solve<P: Plan> {
     regression: Array<P::Regressed, RegressionSolve<P>>,
     shaft: Array<P::Watched, ShaftSolve>,
     classification: Classification<P>,
@@ -92,7 +95,7 @@ struct Solve<P: Plan> {
 impl<P: Plan> Solve<P> {
     // Out of line, so that what it moves takes no stack during the solve.
     #[inline(never)]
-    fn new(plan: P) -> Self {
+    pub(super) fn new(plan: P) -> Self {
         let layout = plan.layout();
         Self {
             regression: P::Regressed::part(layout.regressed() == 1, || RegressionSolve::new(plan)),
@@ -104,7 +107,13 @@ impl<P: Plan> Solve<P> {
 
     /// Does about `budget` instructions of the next stage; whether the report is complete.
     #[inline(never)]
-    fn advance(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>, budget: usize) -> bool {
+    pub(super) fn advance(
+        &mut self,
+        model: &Model<P>,
+        segment: &mut Segment<P>,
+        report: &mut Report<P>,
+        budget: usize,
+    ) -> bool {
         let (plan, constants) = (model.plan(), model.constants());
         let layout = plan.layout();
         let stuck = segment.counts.stuck;
@@ -187,7 +196,7 @@ impl<P: Plan> Solve<P> {
     }
 
     /// Does all that is left.
-    fn run(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>) {
+    pub(super) fn run(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>) {
         // Bounded: every call does a piece, and no model has so many.
         for _ in 0..MAX_PIECES {
             if self.advance(model, segment, report, usize::MAX) {
@@ -292,7 +301,7 @@ impl<P: Plan> Model<P> {
     }
 
     /// With the feature `defmt`, logs each closed segment on a chip; host programs have no logger.
-    fn log(&self, report: &Report<P>) {
+    pub(super) fn log(&self, report: &Report<P>) {
         #[cfg(all(feature = "defmt", target_os = "none"))]
         {
             let Report { rows, counts, .. } = report;

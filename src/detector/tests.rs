@@ -5,7 +5,7 @@ use crate::reason::Reason;
 use crate::report::{Report, Verdict};
 use crate::tests::{Drive, MODEL, SAMPLES, Sample, report, samples};
 
-fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item = Sample>) -> Segment<Drive> {
+pub(super) fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item = Sample>) -> Segment<Drive> {
     loop {
         if let Some(segment) = detector.collect(&samples.next().unwrap()) {
             return segment;
@@ -90,7 +90,7 @@ fn changed(change: impl Fn(&mut Constants<Drive>)) -> Model<Drive> {
 }
 
 /// Classes at 0.5, healthy, and 1; distances up to three deviations are healthy.
-fn gated() -> Model<Drive> {
+pub(super) fn gated() -> Model<Drive> {
     changed(|c| {
         let novelty = &mut c.classifier.novelty;
         (novelty.class, novelty.mean, novelty.factor, novelty.limit) = (Some(0), [0.5], [0.0025], 4.5);

@@ -1,5 +1,5 @@
 use bearing_watch::{
-    Detector, Evidence, FrontEndError, Kernel, PhaseCounts, RawSample, Report, Segment, Verdict, known_answer_test,
+    Detector, FrontEndError, Kernel, Monitor, PhaseCounts, RawSample, Segment, Verdict, known_answer_test,
 };
 
 use super::model::{Drive, DriveFrontEnd, FRONT_END, MODEL, position};
@@ -15,12 +15,12 @@ pub struct Reading {
 }
 
 /// At boot.
-pub fn start() -> Result<(DriveFrontEnd, Detector<'static, Drive>, Evidence<Drive>), &'static str> {
+pub fn start() -> Result<(DriveFrontEnd, Detector<'static, Drive>, Monitor<'static, Drive>), &'static str> {
     known_answer_test().map_err(Kernel::message)?; // this chip computes what the host computed in training
     let front_end = DriveFrontEnd::new(&FRONT_END).map_err(FrontEndError::message)?;
     // Refuses a model that was trained with the other Park convention.
     MODEL.check_rotor_frame(front_end.frame()).map_err(|error| error.message())?;
-    Ok((front_end, Detector::new(&MODEL), MODEL.evidence()))
+    Ok((front_end, Detector::new(&MODEL), Monitor::new(&MODEL)))
 }
 
 /// In the interrupt, once before its first sample and before the power stage is on: an interrupt has settings of the
@@ -43,21 +43,17 @@ pub fn interrupt(
     })?;
     if clean.found_late {
         // A fault that shows only after a window of samples: those before were wrong.
-        let _segment_before_in_doubt = detector.discard();
+        detector.discard();
     }
     detector.collect(&clean.into())
 }
 
-/// The main loop: the report, the name of the class, and whether there is an alarm. `Detector::adopt` takes the report
-/// with the interrupt masked. `Evidence::silence` says whether verdicts have been missing for too long, and why.
-pub fn conclude(evidence: &mut Evidence<Drive>, segment: Segment<Drive>) -> (Report<Drive>, &'static str, bool) {
-    let report = MODEL.conclude(segment);
-    let class = match report.verdict {
+/// The name of a verdict.
+pub fn name(verdict: Verdict) -> &'static str {
+    match verdict {
         Verdict::Class(class) => MODEL.label(class),
         Verdict::Novel => "novel",
         Verdict::Ambiguous => "ambiguous",
         Verdict::Undetermined(_reason) => "undetermined",
-    };
-    let alarm = evidence.observe_outcome(report.outcome()).is_some();
-    (report, class, alarm)
+    }
 }

@@ -65,7 +65,7 @@ fn SysTick() {
 
 #[entry]
 fn main() -> ! {
-    let (front_end, detector, mut evidence) = match detector::start() {
+    let (front_end, detector, mut monitor) = match detector::start() {
         Ok(parts) => parts,
         Err(message) => fail(message),
     };
@@ -75,11 +75,16 @@ fn main() -> ! {
     start_interrupt();
     loop {
         if let Some(segment) = masked(|data| data.closed.take()).flatten() {
-            let (report, class, alarm) = detector::conclude(&mut evidence, segment);
-            masked(|data| data.detector.adopt(&report)); // for instrumental variables and --huber
-            hprintln!("{}, {} rows{}", class, report.rows, if alarm { ", ALARM" } else { "" });
+            let now = monitor.conclude(segment); // now.silence: whether verdicts have been missing for too long, and why
+            masked(|data| data.detector.adopt(now.report)); // for instrumental variables and --huber
+            let alarm = if now.alarm.is_some() { ", ALARM" } else { "" };
+            hprintln!("{}, {} rows{}", detector::name(now.report.verdict), now.report.rows, alarm);
         } else if masked(|data| data.ended) == Some(true) {
-            debug::exit(debug::EXIT_SUCCESS); // the recording ended; a drive goes on
+            // The recording ended; a drive goes on, and calls `end_run` at power-down.
+            if monitor.end_run().is_some() {
+                hprintln!("ALARM");
+            }
+            debug::exit(debug::EXIT_SUCCESS);
         } else if let Some(message) = masked(|data| data.failed).flatten() {
             fail(message); // the interrupt computes otherwise than main
         }

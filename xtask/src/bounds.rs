@@ -98,7 +98,7 @@ pub const BOUNDS: [Bound; 86] = [
     bytes("stack, detector conclude", None, 1520),
     bytes("stack, SRIV detector sample", None, 436),
     bytes("stack, SRIV detector segment end", None, 2092),
-    bytes("stack, SRIV detector collect", None, 950),
+    bytes("stack, SRIV detector collect", None, 960),
     bytes("stack, SRIV detector conclude", None, 1988),
     bytes("stack, SRIV detector piece", None, 582),
     bytes("stack, detector with shaft of 4 orders sample", None, 780),
@@ -106,7 +106,7 @@ pub const BOUNDS: [Bound; 86] = [
     bytes("stack, detector with shaft of 4 orders conclude", None, 4096),
     // With gates, arithmetic test, marks and silence: a verdict that nothing supports is told as none.
     bytes("flash of the whole detector, LS", Some(8), 14_060),
-    bytes("flash of the whole detector, SRIV", Some(8), 16_580),
+    bytes("flash of the whole detector, SRIV", Some(8), 16_660),
     bytes("flash of the whole detector, LS and shaft", Some(8), 36_600),
     // What the start of a resolver's angle takes, and what it would take otherwise.
     bytes("flash of an arctangent, micromath, for a resolver's start", None, 200),

@@ -25,7 +25,7 @@ mod rows;
 
 use core::cell::RefCell;
 
-use bearing_watch::{Report, Segment, Solver};
+use bearing_watch::Segment;
 use cortex_m::peripheral::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::exception;
@@ -36,7 +36,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
 
 use drive_parts::{Sampler, Watch};
-use model::{Drive, FURTHER, MODEL};
+use model::{Drive, FURTHER};
 use rows::Rows;
 use support::target;
 
@@ -81,21 +81,15 @@ async fn main(_spawner: Spawner) {
     start_interrupt();
     let mut watch = Watch::new();
     while let Some(segment) = CLOSED.receive().await {
-        let report = solve(segment).await;
-        masked(|control| control.sampler.detector.adopt(&report));
-        watch.observe(&report);
+        watch.monitor.take(segment);
+        // By pieces, between which other tasks run.
+        while watch.monitor.is_solving() {
+            watch.advance(|report| masked(|control| control.sampler.detector.adopt(report)));
+            yield_now().await;
+        }
     }
     masked(|control| watch.end(&control.sampler));
     target::succeed()
-}
-
-/// Solves a segment by pieces.
-async fn solve(segment: Segment<Drive>) -> Report<Drive> {
-    let mut solver = Solver::new(&MODEL, segment);
-    while solver.advance().is_none() {
-        yield_now().await;
-    }
-    solver.finish()
 }
 
 fn start_interrupt() {

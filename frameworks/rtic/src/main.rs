@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! control  priority 2, every control period   row ─► FrontEnd ─► Sample ─► Detector::collect ─► solve
-//! solve    priority 1, once a segment         Model::conclude ─► adopt, verdict, evidence, alarm
+//! solve    priority 1, once a segment         Monitor::conclude ─► adopt, verdict, alarm
 //! idle                                        the other work of the drive
 //! ```
 //!
@@ -31,7 +31,7 @@ mod app {
     use cortex_m::peripheral::syst::SystClkSource;
 
     use crate::drive_parts::{Sampler, Watch};
-    use crate::model::{Drive, FURTHER, MODEL};
+    use crate::model::{Drive, FURTHER};
     use crate::rows::Rows;
     use crate::support::target;
 
@@ -86,9 +86,13 @@ mod app {
 
     #[task(priority = 1, shared = [sampler, watch])]
     async fn solve(mut cx: solve::Context, segment: Segment<Drive>) {
-        let report = MODEL.conclude(segment);
-        cx.shared.sampler.lock(|sampler| sampler.detector.adopt(&report));
-        cx.shared.watch.lock(|watch| watch.observe(&report));
+        let sampler = &mut cx.shared.sampler;
+        cx.shared.watch.lock(|watch| {
+            watch.monitor.take(segment);
+            while watch.monitor.is_solving() {
+                watch.advance(|report| sampler.lock(|sampler| sampler.detector.adopt(report)));
+            }
+        });
     }
 
     /// The recording has ended; of the same priority as `solve`, so that a segment is solved first.

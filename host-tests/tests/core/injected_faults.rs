@@ -47,8 +47,9 @@ fn watch(trace: &EmaTrace, constants: &FrontEndConstants, start: usize, faults: 
             outcome.named.iter_mut().zip(faults).for_each(|(named, fault)| *named |= (fault.named)(&found));
         }
         let Some(clean) = clean else { continue };
-        if clean.found_late && detector.discard() && held.take().is_some() {
-            outcome.withdrawn += 1;
+        if clean.found_late {
+            detector.discard();
+            outcome.withdrawn += usize::from(detector.doubts_before() && held.take().is_some());
         }
         started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
         if started && let Some(report) = detector.step(&clean.into()) {

@@ -1,7 +1,7 @@
 //! The firmware code of README.md and that of the book, compiled as they stand there and run on recordings of the
 //! simulated actuator.
 
-use bearing_watch::{Detector, PhaseCounts, RawSample};
+use bearing_watch::{Detector, Monitor, PhaseCounts, RawSample};
 use rig::ema::{EmaCondition, EmaDefect, EmaScenario, EmaTrace, Race, simulate};
 use rig::{DefectKind, trace_seed};
 
@@ -16,7 +16,7 @@ mod monitor {
     include!(concat!(env!("OUT_DIR"), "/readme.rs"));
 }
 
-use detector::{Reading, conclude, interrupt, start, test};
+use detector::{Reading, interrupt, name, start, test};
 use model::{DriveFrontEnd, FRONT_END, FURTHER, MODEL, position};
 
 /// Rows at 10 kHz that one segment takes: 2.4 s.
@@ -34,17 +34,17 @@ fn counts_become_the_verdict_of_the_recording() {
 fn the_code_of_the_readme_gives_the_alarms_of_the_book() {
     for kind in [DefectKind::Healthy, DefectKind::Spall] {
         let mut inputs = DriveFrontEnd::new(&FRONT_END).expect("constants of the example");
-        let (mut detector, mut evidence) = (Detector::new(&MODEL), MODEL.evidence());
+        let (mut detector, mut main_loop) = (Detector::new(&MODEL), Monitor::new(&MODEL));
         let mut alarms = Vec::new();
         for reading in readings(&recording(kind)) {
             if let Some(segment) = monitor::interrupt(&mut inputs, &mut detector, &raw(&reading)) {
-                let (report, alarm) = monitor::conclude(&mut evidence, segment);
-                detector.adopt(&report);
-                alarms.push(alarm);
+                alarms.push(monitor::conclude(&mut main_loop, segment));
             }
         }
+        alarms.push(main_loop.end_run().is_some());
         let expected: Vec<bool> = verdicts(kind).into_iter().map(|(_, alarm)| alarm).collect();
-        assert_eq!(alarms, expected, "{kind:?}");
+        // The alarm of a segment stands with the one behind it, or where the run ends.
+        assert_eq!(alarms[1..], expected, "{kind:?}");
     }
 }
 
@@ -60,15 +60,18 @@ fn raw(reading: &Reading) -> RawSample<FURTHER> {
 /// The classes of the segments of a recording whose seed is not that of training, and whether there is an alarm.
 fn verdicts(kind: DefectKind) -> Vec<(&'static str, bool)> {
     test().expect("the arithmetic of a host");
-    let (mut front_end, mut detector, mut evidence) = start().expect("constants of the example");
-    let mut found = Vec::new();
+    let (mut front_end, mut detector, mut monitor) = start().expect("constants of the example");
+    let (mut classes, mut alarms) = (Vec::new(), Vec::new());
     for reading in readings(&recording(kind)) {
         if let Some(segment) = interrupt(&mut front_end, &mut detector, &reading) {
-            let (report, class, alarm) = conclude(&mut evidence, segment);
-            detector.adopt(&report);
-            found.push((class, alarm));
+            let now = monitor.conclude(segment);
+            detector.adopt(now.report);
+            classes.push(name(now.report.verdict));
+            alarms.push(now.alarm.is_some());
         }
     }
+    alarms.push(monitor.end_run().is_some());
+    let found = classes.into_iter().zip(alarms.into_iter().skip(1)).collect();
     assert!(front_end.faults().is_clear(), "{:?}", front_end.faults());
     found
 }

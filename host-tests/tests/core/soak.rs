@@ -224,8 +224,11 @@ impl Watch {
         // The newest taps of a filter may be zero: from the second output on it has met the missing samples.
         assert!(!(flagged && self.flagged) || clean.current_a.is_nan(), "{faults:?}: {clean:?}");
         self.flagged = flagged;
-        if clean.found_late && self.detector.discard() {
-            (self.held, self.solver) = (None, None);
+        if clean.found_late {
+            self.detector.discard();
+            if self.detector.doubts_before() {
+                (self.held, self.solver) = (None, None);
+            }
         }
         let sample: Sample = clean.into();
         self.open.samples += 1;

@@ -1,0 +1,278 @@
+//! What the main loop owns: closed segments in, one report a segment out, and the alarm of all of them.
+//!
+//! ```text
+//! interrupt   Detector::collect ─► Segment ─┐
+//! main loop                                 ▼
+//! Monitor     solve ─► Report, held ─► Evidence ─► Alarm
+//!                            ▲
+//!                            └ withdrawn if the next segment says that a fault was found late
+//! ```
+//!
+//! The evidence takes a report with the segment behind it, or where the run ends: a fault that [`Detector::discard`]
+//! finds in the first half of a segment may have begun in the one before.
+
+use super::sequence::Sequence;
+use super::solver::{PIECE, Segment, Solve};
+use crate::decide::{Alarm, Baseline, BaselineConstants, Evidence, Silence, SilenceLimits, Trend};
+use crate::model::Model;
+use crate::plan::{Array, Cells, Plan};
+use crate::report::Report;
+use crate::saved::StateError;
+
+/// The main loop's half of a detector: it solves closed segments and gathers the evidence for an alarm.
+///
+/// ```
+/// # use bearing_watch::{Detector, Model, Monitor, plan::Plan};
+/// # fn run<P: Plan>(model: &Model<P>, samples: impl Iterator<Item = P::Sample>) {
+/// let mut detector = Detector::new(model); // of the interrupt
+/// let mut monitor = Monitor::new(model); // of the main loop
+/// for sample in samples {
+///     if let Some(segment) = detector.collect(&sample) {
+///         let now = monitor.conclude(segment);
+///         detector.adopt(now.report); // for instrumental variables and weights of outliers
+///         let _stop = now.alarm.is_some();
+///     }
+/// }
+/// # }
+/// ```
+///
+/// A report that may still be withdrawn cannot reach the evidence:
+///
+/// ```compile_fail
+/// # use bearing_watch::{Model, Monitor, Segment, plan::Plan};
+/// # fn run<P: Plan>(monitor: &mut Monitor<'_, P>, segment: Segment<P>) {
+/// let report = monitor.conclude(segment).report;
+/// monitor.evidence().observe_outcome(report.outcome());
+/// # }
+/// ```
+///
+/// A segment is concluded once:
+///
+/// ```compile_fail
+/// # use bearing_watch::{Model, Monitor, Segment, plan::Plan};
+/// # fn run<P: Plan>(monitor: &mut Monitor<'_, P>, segment: Segment<P>) {
+/// monitor.conclude(segment);
+/// monitor.conclude(segment);
+/// # }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Monitor<'m, P: Plan> {
+    model: &'m Model<P>,
+    evidence: Evidence<P>,
+    baseline: Option<Baseline<P>>,
+    /// Offset of the baseline, and whether it is at its bound, before the held report moved it.
+    offset_before: (Array<P::Coordinates, f32>, bool),
+    segment: Option<Segment<P>>,
+    solve: Solve<P>,
+    report: Report<P>,
+    work: Work,
+    /// Of the segment of the report.
+    sequence: Sequence,
+}
+
+/// What is in the report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Work {
+    /// Nothing, or a report that the evidence has taken.
+    Settled,
+    /// The segment is being solved.
+    Solving,
+    /// A report that the evidence has not taken.
+    Held,
+}
+
+/// What is known with the last segment.
+#[derive(Clone, Copy, Debug)]
+pub struct Conclusion<'a, P: Plan> {
+    /// The verdict on the segment, with the results behind it. It may be withdrawn until the next segment.
+    pub report: &'a Report<P>,
+    /// The alarm that stands, by the segments before.
+    pub alarm: Option<Alarm>,
+    /// Whether no segment has had a verdict for too long.
+    pub silence: Option<Silence>,
+}
+
+impl<'m, P: Plan> Monitor<'m, P> {
+    /// Nothing concluded yet.
+    #[must_use]
+    pub fn new(model: &'m Model<P>) -> Self {
+        let plan = model.plan();
+        Self {
+            model,
+            evidence: model.evidence(),
+            baseline: None,
+            offset_before: (Cells::filled(plan.layout().coordinates as usize, 0.0), false),
+            segment: None,
+            solve: Solve::new(plan),
+            report: Report::empty(plan),
+            work: Work::Settled,
+            sequence: Sequence::default(),
+        }
+    }
+
+    /// With a baseline that follows slow changes of the healthy drive. Without a healthy class in the model, or with a
+    /// constant out of range, there is none.
+    #[must_use]
+    pub fn following(mut self, constants: BaselineConstants) -> Self {
+        self.baseline = self.model.baseline(constants);
+        self
+    }
+
+    /// Sets other limits for the silence than [`SilenceLimits::USUAL`].
+    pub const fn limit_silence(&mut self, limits: SilenceLimits) {
+        self.evidence.limit_silence(limits);
+    }
+
+    /// Solves a closed segment. For a main loop that has other work in between: [`Monitor::take`] and
+    /// [`Monitor::advance`].
+    pub fn conclude(&mut self, segment: Segment<P>) -> Conclusion<'_, P> {
+        self.take(segment);
+        self.finish();
+        self.conclusion()
+    }
+
+    /// Takes a closed segment, which [`Monitor::advance`] solves in pieces; what is left of the one before is solved at
+    /// once. The evidence takes the report before, unless this segment puts it in doubt.
+    pub fn take(&mut self, segment: Segment<P>) {
+        self.settle(segment.sequence.doubts_that(self.sequence));
+        self.sequence = segment.sequence;
+        self.segment = Some(segment);
+        self.solve = Solve::new(self.model.plan());
+        self.report = Report::empty(self.model.plan());
+        self.work = Work::Solving;
+    }
+
+    /// Does a piece of bounded cost of the solve; returns the conclusion with the last one, and `None` where there is
+    /// nothing to solve. `cargo xtask measure` prints the instructions of the longest piece. Pieces give the bits of
+    /// [`Monitor::conclude`].
+    pub fn advance(&mut self) -> Option<Conclusion<'_, P>> {
+        if self.work != Work::Solving {
+            return None;
+        }
+        let segment = self.segment.as_mut()?;
+        if !self.solve.advance(self.model, segment, &mut self.report, PIECE) {
+            return None;
+        }
+        self.hold();
+        Some(self.conclusion())
+    }
+
+    /// Solves what is left of the segment.
+    fn finish(&mut self) {
+        let (Work::Solving, Some(segment)) = (self.work, &mut self.segment) else { return };
+        self.solve.run(self.model, segment, &mut self.report);
+        self.hold();
+    }
+
+    /// Holds the report back. The baseline has moved it, if there is one.
+    fn hold(&mut self) {
+        self.work = Work::Held;
+        if let Some(baseline) = &mut self.baseline {
+            let (offset, at_bound) = &mut self.offset_before;
+            offset.cells_mut().iter_mut().zip(baseline.offset()).for_each(|(cell, x)| *cell = *x);
+            *at_bound = baseline.at_bound();
+            self.model.follow(baseline, &mut self.report);
+        }
+        self.model.log(&self.report);
+    }
+
+    /// Gives the held report to the evidence, withdrawn if it is in doubt.
+    fn settle(&mut self, doubtful: bool) {
+        self.finish();
+        if self.work != Work::Held {
+            return;
+        }
+        if doubtful {
+            self.report.doubt();
+            if let Some(baseline) = &mut self.baseline {
+                baseline.restore(self.offset_before.0.cells(), self.offset_before.1);
+            }
+        }
+        self.evidence.observe_outcome(self.report.outcome());
+        self.work = Work::Settled;
+    }
+
+    fn conclusion(&self) -> Conclusion<'_, P> {
+        Conclusion { report: &self.report, alarm: self.evidence.alarm(), silence: self.evidence.silence() }
+    }
+
+    /// Whether [`Monitor::advance`] has something to solve.
+    #[must_use]
+    pub fn is_solving(&self) -> bool {
+        self.work == Work::Solving
+    }
+
+    /// The last report; `None` before the first one, and while a segment is being solved.
+    #[must_use]
+    pub fn report(&self) -> Option<&Report<P>> {
+        (self.segment.is_some() && self.work != Work::Solving).then_some(&self.report)
+    }
+
+    /// Ends a run, as at power-down or where a session ends: the evidence takes the last report, too. Returns the alarm
+    /// that stands.
+    pub fn end_run(&mut self) -> Option<Alarm> {
+        self.settle(false);
+        self.evidence.end_run()
+    }
+
+    /// The alarm that stands.
+    #[must_use]
+    pub const fn alarm(&self) -> Option<Alarm> {
+        self.evidence.alarm()
+    }
+
+    /// Course of the distance from the healthy class.
+    #[must_use]
+    pub fn trend(&self) -> Option<Trend> {
+        self.evidence.trend()
+    }
+
+    /// What the alarm is made of.
+    #[must_use]
+    pub const fn evidence(&self) -> &Evidence<P> {
+        &self.evidence
+    }
+
+    /// The baseline, if it has one.
+    #[must_use]
+    pub const fn baseline(&self) -> Option<&Baseline<P>> {
+        self.baseline.as_ref()
+    }
+
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend, without the held report. The baseline
+    /// stays.
+    pub fn reset(&mut self) {
+        self.evidence.reset();
+        (self.work, self.segment) = (Work::Settled, None);
+    }
+
+    /// Number of bytes that [`Monitor::save`] writes.
+    #[must_use]
+    pub fn saved_len(&self) -> usize {
+        self.model.saved_len()
+    }
+
+    /// Ends the run and writes alarm, scores, trend and baseline; returns the number of bytes.
+    ///
+    /// # Errors
+    /// [`StateError::BufferTooSmall`].
+    pub fn save(&mut self, buffer: &mut [u8]) -> Result<usize, StateError> {
+        self.end_run();
+        self.model.save(&self.evidence, self.baseline.as_ref(), buffer)
+    }
+
+    /// Continues from a saved state of this model; a held report is not in it. Nothing changes in case of an error.
+    ///
+    /// # Errors
+    /// As [`Model::restore`].
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), StateError> {
+        self.model.restore(bytes, &mut self.evidence, self.baseline.as_mut())?;
+        (self.work, self.segment) = (Work::Settled, None);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

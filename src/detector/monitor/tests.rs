@@ -1,0 +1,167 @@
+use super::super::tests::{gated, segment};
+use super::{Conclusion, Monitor};
+use crate::decide::{Cause, Evidence};
+use crate::detector::{Detector, Segment};
+use crate::model::{BaselineConstants, Model};
+use crate::reason::Reason;
+use crate::report::{Report, Verdict};
+use crate::tests::{Drive, SAMPLES, Sample, samples};
+use std::vec::Vec;
+
+/// The samples of one segment after the other, of these gains.
+fn stream<'a>(gains: &'a [f32]) -> impl Iterator<Item = Sample> + 'a {
+    gains.iter().flat_map(|gain| samples(*gain).take(SAMPLES as usize))
+}
+
+fn segments(model: &Model<Drive>, gains: &[f32]) -> Vec<Segment<Drive>> {
+    let (mut detector, mut all) = (Detector::new(model), stream(gains));
+    gains.iter().map(|_| segment(&mut detector, &mut all)).collect()
+}
+
+/// The evidence of reports that are taken at once.
+fn at_once(model: &Model<Drive>, reports: &[Report<Drive>]) -> Evidence<Drive> {
+    let mut evidence = model.evidence();
+    for report in reports {
+        evidence.observe_outcome(report.outcome());
+    }
+    evidence
+}
+
+const GAINS: [f32; 5] = [0.5, 0.9, 1.0, 1.5, 0.5];
+
+#[test]
+fn reports_are_those_of_the_solve_and_the_evidence_takes_each_with_the_next() {
+    let model = gated();
+    let mut monitor = Monitor::new(&model);
+    let mut taken: Vec<Report<Drive>> = Vec::new();
+    for segment in segments(&model, &GAINS) {
+        let expected = model.conclude(segment.clone());
+        assert_eq!(monitor.conclude(segment).report, &expected);
+        assert_eq!(*monitor.evidence(), at_once(&model, &taken));
+        assert_eq!(monitor.report(), Some(&expected));
+        taken.push(expected);
+    }
+    let mut evidence = at_once(&model, &taken);
+    assert_eq!(monitor.end_run(), evidence.end_run());
+    assert_eq!((monitor.evidence(), monitor.alarm()), (&evidence, evidence.alarm()));
+    assert_eq!(monitor.end_run(), evidence.alarm(), "no report is taken twice");
+    assert_eq!(monitor.evidence().segments(), (5, 0));
+}
+
+#[test]
+fn pieces_give_the_bits_of_the_whole_and_a_hasty_interrupt_loses_nothing() {
+    let model = gated();
+    let (mut whole, mut pieces, mut hasty) = (Monitor::new(&model), Monitor::new(&model), Monitor::new(&model));
+    for segment in segments(&model, &GAINS) {
+        let expected = whole.conclude(segment.clone()).report.clone();
+        assert!(pieces.advance().is_none(), "nothing to solve");
+        pieces.take(segment.clone());
+        assert_eq!(pieces.report(), None, "not yet");
+        let mut count = 1;
+        let found = loop {
+            if let Some(Conclusion { report, .. }) = pieces.advance() {
+                break report.clone();
+            }
+            count += 1;
+        };
+        assert!(count > 10 && found == expected, "{count}");
+        // The next segment comes before the solve has ended.
+        hasty.take(segment);
+        assert!(hasty.advance().is_none());
+    }
+    let expected = (whole.end_run(), whole.evidence().clone());
+    for monitor in [&mut pieces, &mut hasty] {
+        assert_eq!((monitor.end_run(), monitor.evidence().clone()), expected);
+    }
+}
+
+/// A fault that was found late withdraws the report before if it may have begun there, and no other.
+#[test]
+fn a_report_in_doubt_never_reaches_the_evidence() {
+    let model = gated();
+    for (place, doubts) in [(0, true), (SAMPLES / 2 - 1, true), (SAMPLES / 2, false), (SAMPLES - 1, false)] {
+        let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
+        let mut all = stream(&[40.0; 4]);
+        let first = segment(&mut detector, &mut all);
+        assert_eq!(monitor.conclude(first).report.verdict, Verdict::Novel);
+        all.by_ref().take(place as usize).for_each(|sample| assert!(detector.collect(&sample).is_none()));
+        detector.discard();
+        let second = segment(&mut detector, &mut all);
+        monitor.conclude(second);
+        assert_eq!(monitor.evidence().segments(), (1, u32::from(doubts)), "{place}");
+        let third = segment(&mut detector, &mut all);
+        monitor.conclude(third);
+        assert_eq!(monitor.evidence().segments().1, u32::from(doubts) + u32::from(place >= SAMPLES / 2), "{place}");
+    }
+}
+
+#[test]
+fn the_doubt_of_a_segment_that_was_lost_is_not_that_of_another() {
+    let model = gated();
+    let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
+    let mut all = stream(&[40.0; 4]);
+    monitor.conclude(segment(&mut detector, &mut all));
+    // Not taken by the main loop.
+    drop(segment(&mut detector, &mut all));
+    detector.discard();
+    monitor.conclude(segment(&mut detector, &mut all));
+    assert_eq!(monitor.evidence().segments(), (1, 0));
+    // Nor does a restart leave a doubt.
+    detector.discard();
+    detector.restart();
+    monitor.conclude(segment(&mut detector, &mut stream(&[40.0])));
+    assert_eq!(monitor.evidence().segments(), (2, 0));
+}
+
+#[test]
+fn an_alarm_names_the_segment_and_survives_power_off_with_the_baseline() {
+    let model = gated();
+    let constants = BaselineConstants::new(10.0, 2.0);
+    let mut monitor = Monitor::new(&model).following(constants);
+    let all = segments(&model, &[0.52, 0.52, 1.0, 1.0, 1.0]);
+    for segment in &all[..3] {
+        monitor.conclude(segment.clone());
+    }
+    assert!(monitor.baseline().is_some_and(|baseline| baseline.offset()[0] != 0.0));
+    let mut bytes = [0; 400];
+    let length = monitor.save(&mut bytes).expect("room");
+    assert_eq!(length, monitor.saved_len());
+    let mut later = Monitor::new(&model).following(constants);
+    later.conclude(all[0].clone());
+    later.restore(&bytes[..length]).expect("its own state");
+    assert_eq!((later.evidence(), later.baseline()), (monitor.evidence(), monitor.baseline()));
+    assert_eq!(later.report(), None, "what was held is not in the state");
+    for (monitor, segment) in [&mut monitor, &mut later].into_iter().flat_map(|own| [(own, 3)]) {
+        monitor.conclude(all[segment].clone());
+        monitor.conclude(all[segment + 1].clone());
+        assert_eq!(monitor.end_run().map(|alarm| alarm.cause), Some(Cause::Class(1)));
+    }
+    let damaged = [&bytes[..length - 1], &[!bytes[length - 1]]].concat();
+    let before = later.clone();
+    assert!(later.restore(&damaged).is_err() && later == before);
+    later.reset();
+    assert_eq!((later.alarm(), later.evidence().segments()), (None, (0, 0)));
+}
+
+/// What a withdrawn report has moved is moved back.
+#[test]
+fn a_baseline_does_not_follow_what_is_withdrawn() {
+    let model = gated();
+    let (mut detector, mut monitor) =
+        (Detector::new(&model), Monitor::new(&model).following(BaselineConstants::new(10.0, 2.0)));
+    let mut all = stream(&[0.52; 4]);
+    monitor.conclude(segment(&mut detector, &mut all));
+    let moved = monitor.baseline().expect("a baseline").offset()[0];
+    assert!(moved > 0.0);
+    detector.discard();
+    let second = segment(&mut detector, &mut all);
+    monitor.take(second);
+    assert_eq!(monitor.baseline().expect("a baseline").offset(), [0.0]);
+    let report = loop {
+        if let Some(now) = monitor.advance() {
+            break now.report.verdict;
+        }
+    };
+    assert_eq!(report, Verdict::Class(0));
+    assert_ne!(report, Verdict::Undetermined(Reason::FoundLate));
+}
