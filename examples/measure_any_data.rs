@@ -181,7 +181,7 @@ fn stream<P: Plan>(
         }
         if choices.below(256) == 0 {
             let discard = counter.instructions_per_call(1, |_| {
-                black_box(black_box(&mut detector).discard());
+                black_box(&mut detector).discard();
             });
             discard_most = discard.max(discard_most);
         }
