@@ -92,7 +92,7 @@ impl<P: Plan> Session<'_, P> {
                 self.report(&mut report);
             }
             11 => {
-                let _in_doubt = self.detector.discard();
+                self.detector.discard();
             }
             12 => self.detector.restart(),
             13 => {

@@ -102,7 +102,7 @@ fn the_doubt_of_a_segment_that_was_lost_is_not_that_of_another() {
     let mut all = stream(&[40.0; 4]);
     monitor.conclude(segment(&mut detector, &mut all));
     // Not taken by the main loop.
-    drop(segment(&mut detector, &mut all));
+    let _lost = segment(&mut detector, &mut all);
     detector.discard();
     monitor.conclude(segment(&mut detector, &mut all));
     assert_eq!(monitor.evidence().segments(), (1, 0));
