@@ -41,7 +41,7 @@ fn run() -> ! {
         };
         let Some(clean) = front_end.push(&raw) else { continue };
         if clean.found_late {
-            let _segment_before_in_doubt = detector.discard();
+            detector.discard();
         }
         if let Some(report) = detector.step(&clean.into()) {
             let alarm = evidence.observe(report.decision.as_ref()).is_some();

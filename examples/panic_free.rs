@@ -232,7 +232,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     }
     opaque((Detector::pending(&detector), Detector::counts(&detector), Detector::preview(&detector)));
     told(model, &opaque(Detector::finish(&mut detector)));
-    opaque(Detector::discard(opaque(&mut detector)));
+    Detector::discard(opaque(&mut detector));
     Detector::restart(opaque(&mut detector));
     opaque((Evidence::alarm(&evidence), Evidence::score(&evidence), Evidence::segments(&evidence)));
     opaque((Evidence::trend(&evidence), Evidence::silence(&evidence)));
