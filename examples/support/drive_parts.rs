@@ -1,7 +1,8 @@
 //! The work of interrupt and main loop of a drive on a recording, without what connects them: `drive` and the crates of
 //! `frameworks` share it.
 
-use bearing_watch::{Detector, Evidence, RawSample, Report, Segment, Verdict};
+use bearing_watch::drive::RawSample;
+use bearing_watch::{Detector, Evidence, Report, Segment, Verdict};
 
 use crate::model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
 use crate::support::hash::Hash;

@@ -1,6 +1,5 @@
-use bearing_watch::{
-    Detector, Evidence, FrontEndError, Kernel, PhaseCounts, RawSample, Report, Segment, Verdict, known_answer_test,
-};
+use bearing_watch::drive::{FrontEndError, PhaseCounts, RawSample};
+use bearing_watch::{Detector, Evidence, Kernel, Report, Segment, Verdict, known_answer_test};
 
 use super::model::{Drive, DriveFrontEnd, FRONT_END, MODEL, position};
 
