@@ -37,7 +37,8 @@ mod model {
 
 use core::hint::black_box;
 
-use bearing_watch::{Detector, RawSample, Segment};
+use bearing_watch::drive::RawSample;
+use bearing_watch::{Detector, Segment};
 use heapless::spsc::{Consumer, Producer, Queue};
 use support::count::Counter;
 

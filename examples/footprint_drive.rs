@@ -11,7 +11,8 @@ mod model {
     include!(env!("BEARING_WATCH_MODEL_FILE"));
 }
 
-use bearing_watch::{Detector, PhaseCounts, RawSample, Verdict};
+use bearing_watch::drive::{PhaseCounts, RawSample};
+use bearing_watch::{Detector, Verdict};
 
 use model::{DriveFrontEnd, FRONT_END, FURTHER, MODEL, position};
 

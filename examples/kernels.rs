@@ -7,12 +7,13 @@ mod support;
 #[path = "support/streams.rs"]
 mod streams;
 
+use bearing_watch::drive::{AlphaBeta, BlockMean, RotorFrame};
 use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{
     Channel, Classifier, Covariates, Discriminant, Feature, FeatureValue, Forgetting, Novelty, Projection, Regression,
 };
 use bearing_watch::plan::{Array, Cells, Fixed, Kind, Layout, Memory, Method, Plan, RegressionLayout, Structure};
-use bearing_watch::{AlphaBeta, Angle, BlockMean, Detector, Model, Park, RotorFrame};
+use bearing_watch::{Angle, Detector, Model, Park};
 
 use support::hash::Hash;
 use support::numbers::Numbers;

@@ -9,10 +9,11 @@ mod model;
 
 use core::hint::black_box;
 
+use bearing_watch::drive::{AlphaBeta, RotorFrame};
 use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{Channel, FeatureValue, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Plan};
-use bearing_watch::{AlphaBeta, Angle, Detector, Model, Park, RotorFrame, Segment, Solver};
+use bearing_watch::{Angle, Detector, Model, Park, Segment, Solver};
 
 use support::count::Counter;
 use support::numbers::Numbers;

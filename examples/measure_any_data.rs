@@ -11,8 +11,9 @@ mod support;
 
 use core::hint::black_box;
 
+use bearing_watch::drive::{By, Factor, FrontEnd, RawSample};
 use bearing_watch::plan::{Cells, Plan, Signals};
-use bearing_watch::{Angle, By, Detector, Factor, FrontEnd, Model, RawSample, Segment, Solver};
+use bearing_watch::{Angle, Detector, Model, Segment, Solver};
 
 use support::count::Counter;
 use support::damage::{CHANNELS, Damage, Dice, Recipe};

@@ -9,8 +9,9 @@ mod standard_rig;
 
 use core::hint::black_box;
 
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::telemetry::{Decoder, Encoder, RawRecorder, Recorder, Source};
-use bearing_watch::{Angle, Detector, PhaseCounts, Position, RawSample, Report};
+use bearing_watch::{Angle, Detector, Report};
 
 use standard_rig::model::{Drive, MODEL};
 use support::count::Counter;

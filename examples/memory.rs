@@ -5,8 +5,10 @@
 #[macro_use]
 mod support;
 
+use bearing_watch::Detector;
+use bearing_watch::drive::FrontEnd;
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Layout, Memory, Method, RegressionLayout, ShaftLayout};
-use bearing_watch::{Detector, FrontEnd, Structure};
 
 main!(run);
 

@@ -38,8 +38,11 @@ mod telemetry_calls;
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
 
+use bearing_watch::alarm::*;
+use bearing_watch::drive::*;
 use bearing_watch::model::*;
 use bearing_watch::plan::*;
+use bearing_watch::shaft::*;
 use bearing_watch::*;
 
 use classifier::classifier;

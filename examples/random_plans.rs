@@ -15,10 +15,9 @@ mod any_plan;
 
 use core::fmt::{self, Write as _};
 
+use bearing_watch::drive::{By, CleanSample, Factor, FrontEnd, RawSample};
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{
-    Angle, By, CleanSample, Detector, Evidence, Factor, FrontEnd, Model, RawSample, Report, Segment, Solver, Verdict,
-};
+use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Solver, Verdict};
 
 use any_plan::{AnyPlan, Values};
 use support::damage::{CHANNELS, Damage, Dice, Recipe};

@@ -27,19 +27,20 @@
 //! ```
 //!
 //! ```text
-//! drive       raw counts ─► currents, angle ─► quadrature current, velocity, decimation
+//! drive       raw counts ─► currents, angle ─► quadrature current, velocity, decimation; optional
 //! plan        what a detector is made of: channels, structure, sizes
-//! sample         ▼ gate: which channels may be used                average  means of channels
-//! regression  δ-form rows by least squares or instruments ─┐      shaft   torque balance ─► Friction
-//! factor      triangular factor, solve                     │              its residual ─► OrderStrength
-//! estimate       ▼                                         │                 │
+//! signal         ▼ gate: which channels may be used                means of channels
+//! regression  δ-form rows by least squares or instruments ─┐      shaft   balance: torque balance ─► Friction
+//!   factor    triangular factor, solve                     │              orders: its residual ─► OrderStrength
+//!   estimate     ▼                                         │                 │
 //!             Estimate: parameters, covariance, σ² ◄───────┘                 │
-//! decide         ▼ features ─► covariates ─► projection ─► discriminant, novelty ◄─────────┘
-//!             Decision ─► Verdict;   Evidence ─► Alarm, Trend;   Baseline: follows slow changes, on request
-//!             Commissioning: a healthy class learned on the drive, on request
+//! decide         ▼ features ─► covariates ─► projection ─► discriminant, gates ◄───────────┘
+//!             Decision ─► Verdict
+//! alarm       Evidence ─► Alarm, Trend;   Baseline: follows slow changes, on request
+//!             Commissioning: a healthy class learned on the drive, on request;   alarm and baseline as bytes
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    Detector, of the interrupt: samples ─► Segment;   Monitor, of the main loop: Segment ─► Report, Alarm
-//! saved       alarm and baseline as bytes;   storage  records in flash that survive power-off
+//! storage     records in flash that survive power-off
 //! telemetry   reports and samples as frames for a serial line, and their decoder
 //! signature   signed models, and saved states under a key of the drive
 //! ```
@@ -73,15 +74,13 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
-mod average;
+pub mod alarm;
 #[cfg(doctest)]
 mod book;
 mod checksum;
 mod decide;
 mod detector;
-mod drive;
-mod estimate;
-mod factor;
+pub mod drive;
 mod known_answers;
 mod logarithm;
 pub mod model;
@@ -90,9 +89,8 @@ mod printable;
 mod reason;
 mod regression;
 mod report;
-mod sample;
-mod saved;
-mod shaft;
+pub mod shaft;
+mod signal;
 #[cfg(feature = "signature")]
 pub mod signature;
 #[cfg(feature = "embedded-storage")]
@@ -103,31 +101,15 @@ pub mod telemetry;
 mod tests;
 mod unroll;
 
-pub use average::Average;
-pub use decide::{Alarm, Baseline, Cause, Commissioning, CommissioningError, Decision, Evidence, Trend};
-pub use decide::{Silence, SilenceLimits};
+pub use alarm::evidence::{Alarm, Cause, Evidence};
+pub use decide::Decision;
 pub use detector::{Conclusion, Detector, Monitor, Segment, Solver};
-#[cfg(feature = "embedded-hal")]
-pub use drive::ad2s1210;
-pub use drive::{Abc, AlphaBeta, Angle, Dq0, Park, SinCos};
-pub use drive::{
-    BalanceLimits, CurrentBalance, CurrentSensors, Imbalance, Phase, PhaseCounts, PhaseFaults, PhaseSensor,
-};
-pub use drive::{BlockMean, By, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
-pub use drive::{CalibrationError, CalibrationLimits, OffsetCalibration};
-pub use drive::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample, RotorFrame};
-pub use drive::{Lock, Position, PositionFaults, PositionTracker, Tracked, TrackingConstants};
-pub use drive::{ResolverFaults, ResolverLimits};
-pub use drive::{Wiring, WiringCheck, WiringFault, WiringLimits};
-pub use estimate::Estimate;
-pub use known_answers::{Kernel, arithmetic_test, known_answer_test};
+pub use known_answers::{arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
-pub use plan::Structure;
-pub use reason::{FrictionTerm, Implausible, Part, Reason};
+pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};
+pub use regression::estimate::Estimate;
 pub use report::{Report, Verdict};
-pub use sample::{ChannelSet, Counts};
-pub use saved::StateError;
-pub use shaft::{Bearing, Friction, OrderStrength, Parameter, ShaftEstimate};
+pub use signal::{Angle, Average, ChannelSet, Counts, Park};
 
 #[cfg(feature = "defmt")]
 #[doc(hidden)]
@@ -137,10 +119,17 @@ pub use defmt;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod internals {
-    pub use crate::decide::{Classification, Finding, MAX_SURPRISE, MAX_TREND_SEGMENTS};
-    pub use crate::estimate::{Alone, Detached, Estimator, Pieces, RegressionSolve, RegressionSums, is_stable};
-    pub use crate::factor::{Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle};
+    pub use crate::alarm::trend::MAX_TREND_SEGMENTS;
+    pub use crate::decide::{Classification, Finding, MAX_SURPRISE};
+    pub use crate::regression::estimate::{
+        Alone, Detached, Estimator, Pieces, RegressionSolve, RegressionSums, is_stable,
+    };
+    pub use crate::regression::factor::{
+        Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle,
+    };
     pub use crate::regression::{Inputs, Rows};
-    pub use crate::sample::Gate;
-    pub use crate::shaft::{BRIDGE, LAGS, MIN_BLOCKS, Shaft, ShaftSolve, ShaftSums};
+    pub use crate::shaft::orders::{LAGS, MIN_BLOCKS};
+    pub use crate::shaft::solve::ShaftSolve;
+    pub use crate::shaft::state::{BRIDGE, Shaft, ShaftSums};
+    pub use crate::signal::Gate;
 }

@@ -1,12 +1,12 @@
 //! Why a part of a segment has no result.
 
 mod codes;
+mod kernel;
 
 pub use codes::ReasonCode;
+pub use kernel::Kernel;
 
 use core::fmt;
-
-use crate::known_answers::Kernel;
 
 /// A parameter of the torque balance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

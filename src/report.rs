@@ -1,12 +1,12 @@
 //! The report of a segment, which the detector makes and telemetry sends.
 
-use crate::average::{Average, Averages};
 use crate::decide::{Decision, Estimates, UNMARKED};
-use crate::estimate::Estimate;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::{Part, Reason};
-use crate::sample::Counts;
+use crate::regression::estimate::Estimate;
 use crate::shaft::{Balance, ShaftEstimate};
+use crate::signal::Counts;
+use crate::signal::average::{Average, Averages};
 
 /// The state of the bearing in one segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl<P: Plan> Report<P> {
             rows: 0,
             estimate: P::Regressed::part(layout.regressed() == 1, || Estimate::empty(plan)),
             shaft: P::Watched::part(layout.watched() == 1, || ShaftEstimate::empty(plan)),
-            averages: crate::average::empty(plan),
+            averages: crate::signal::average::empty(plan),
             model: UNMARKED,
         }
     }

@@ -1,13 +1,13 @@
 //! A small drive that the tests of several rooms share: its plan, a model of two classes, samples, and the report of its detector.
 
 use crate::detector::Detector;
-use crate::drive::Park;
 use crate::model::{
     Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Model,
     Novelty, Projection, Regression, Sampling,
 };
 use crate::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 use crate::report::Report;
+use crate::signal::Park;
 
 /// Samples of a segment.
 pub const SAMPLES: u32 = 200;

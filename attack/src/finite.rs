@@ -1,7 +1,8 @@
 //! What holds for every result: a number that is reported is finite, or there is a reason for none.
 
 use bearing_watch::plan::Plan;
-use bearing_watch::{Decision, Estimate, Evidence, FrictionTerm, Report, ShaftEstimate, Verdict};
+use bearing_watch::shaft::ShaftEstimate;
+use bearing_watch::{Decision, Estimate, Evidence, FrictionTerm, Report, Verdict};
 
 fn all(what: &str, numbers: impl IntoIterator<Item = f32>) {
     for (place, number) in numbers.into_iter().enumerate() {

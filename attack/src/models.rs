@@ -21,9 +21,10 @@ pub mod run_time;
 use std::sync::LazyLock;
 
 use bearing_watch::Model;
+use bearing_watch::alarm::Baseline;
 use bearing_watch::model::{BaselineConstants, EvidenceConstants, Feature};
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Cells, Memory, Method, Plan, RunTime};
-use bearing_watch::{Baseline, Structure};
 
 /// Samples of a segment of [`RIG`] and [`REFINED`].
 pub const SHORT: u32 = 64;

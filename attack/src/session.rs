@@ -1,10 +1,10 @@
 //! Calls of a detector, and of all that belongs to it, in any order.
 
+use bearing_watch::alarm::{Baseline, Commissioning};
+use bearing_watch::drive::RotorFrame;
 use bearing_watch::model::CommissioningConstants;
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{
-    Angle, Baseline, Commissioning, Detector, Evidence, Model, Report, RotorFrame, Segment, Solver, Verdict,
-};
+use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Solver, Verdict};
 
 use crate::input::Input;
 use crate::models::{baseline, numbers::Numbers};

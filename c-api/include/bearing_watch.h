@@ -13,6 +13,10 @@
 // Largest number of channels of a sample.
 #define BW_MAX_CHANNELS 8
 
+// Largest number of further channels: as many as the largest model of `BW_MAX_CHANNELS` has besides current and
+// velocity.
+#define BW_MAX_FURTHER 6
+
 // Largest number n of parameters of the regression.
 #define BW_MAX_PARAMETERS 12
 
@@ -68,16 +72,12 @@
 #define BW_SEAL_SIZE 48
 #endif
 
+// Alignment of the memory of a state, bytes, and of the memory of all other objects.
+#define BW_STATE_ALIGN 8
+
 // Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 // exactly is needed.
 #define BW_STATE_SIZE 21504
-
-// Alignment of that memory, bytes, and of the memory of all other objects.
-#define BW_STATE_ALIGN 8
-
-// Largest number of further channels: as many as the largest model of `BW_MAX_CHANNELS` has besides current and
-// velocity.
-#define BW_MAX_FURTHER 6
 
 // Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
 // `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.

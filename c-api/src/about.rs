@@ -2,8 +2,9 @@
 
 use core::ffi::{CStr, c_char};
 
+use bearing_watch::drive::RotorFrame;
 use bearing_watch::plan::Plan as _;
-use bearing_watch::{Angle, Kernel, Park, RotorFrame, known_answer_test};
+use bearing_watch::{Angle, Kernel, Park, known_answer_test};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};

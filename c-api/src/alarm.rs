@@ -1,6 +1,7 @@
 //! The evidence of all segments.
 
-use bearing_watch::{Cause, SilenceLimits};
+use bearing_watch::Cause;
+use bearing_watch::alarm::SilenceLimits;
 
 use crate::code::{BwCode, code};
 use crate::memory::{at, put};
@@ -65,7 +66,7 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
             let silence = evidence.silence();
             let (silent_reason, silent_place) =
                 silence.and_then(|silence| silence.reason).map_or((BwReason::None, 0), named);
-            let of_trend = |value: fn(bearing_watch::Trend) -> f32| trend.map_or(f32::NAN, value);
+            let of_trend = |value: fn(bearing_watch::alarm::Trend) -> f32| trend.map_or(f32::NAN, value);
             BwAlarm {
                 raised: raised.is_some(),
                 known: class.is_some(),

@@ -3,7 +3,7 @@
 use core::ffi::c_void;
 use core::mem::offset_of;
 
-use bearing_watch::{CalibrationError, CalibrationLimits, OffsetCalibration};
+use bearing_watch::drive::{CalibrationError, CalibrationLimits, OffsetCalibration};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::front_end::constants::BwFrontEndConstants;

@@ -2,7 +2,8 @@
 
 use core::ffi::{CStr, c_char};
 
-use bearing_watch::{CalibrationError, FrontEndError, ModelError};
+use bearing_watch::ModelError;
+use bearing_watch::drive::{CalibrationError, FrontEndError};
 
 /// What a function returns: 0 or above if it did what it says, below 0 if it did nothing. But with
 /// `BW_CODE_SEGMENT_LOST` the sample is taken, with `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer, and

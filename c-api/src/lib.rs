@@ -71,12 +71,12 @@ pub use front_end::constants::{BwFrontEndConstants, BwPhaseSensor, bw_check_fron
 pub use front_end::faults::{BwFrontEndFaults, BwImbalance, BwLock, bw_front_end_clear_faults, bw_front_end_faults};
 pub use front_end::sample::{BwCleanSample, BwPosition, BwRawSample};
 pub use front_end::{
-    BW_FRONT_END_SIZE, BW_MAX_FURTHER, BwFrontEnd, bw_front_end_check_wiring, bw_front_end_init, bw_front_end_push,
-    bw_front_end_size,
+    BW_FRONT_END_SIZE, BwFrontEnd, bw_front_end_check_wiring, bw_front_end_init, bw_front_end_push, bw_front_end_size,
 };
+pub use memory::BW_STATE_ALIGN;
 pub use plan::{
     AnyModel, BW_MAX_AVERAGED, BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COLUMNS, BW_MAX_COORDINATES, BW_MAX_COVARIATES,
-    BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_ORDERS, BW_MAX_PARAMETERS,
+    BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_FURTHER, BW_MAX_ORDERS, BW_MAX_PARAMETERS,
     BW_MAX_PROJECTION, BW_MAX_RISING, Values,
 };
 pub use raw_recorder::{BW_RAW_RECORDER_SIZE, BwRawRecorder, bw_raw_recorder_init, bw_raw_recorder_push};
@@ -91,7 +91,7 @@ pub use signature::{
     BW_KEY_SIZE, BW_SEAL_SIZE, BW_STATE_KEY_SIZE, BwSealed, BwSigned, bw_open, bw_seal, bw_verify_model,
 };
 pub use solving::{bw_adopt, bw_advance, bw_conclude};
-pub use state::{BW_STATE_ALIGN, BW_STATE_SIZE, BwState, bw_init, bw_state_size};
+pub use state::{BW_STATE_SIZE, BwState, bw_init, bw_state_size};
 pub use telemetry::{
     BW_FRAME_SIZE, BW_TELEMETRY_SIZE, BwTelemetry, bw_telemetry_hello, bw_telemetry_init, bw_telemetry_raw,
     bw_telemetry_report, bw_telemetry_samples,

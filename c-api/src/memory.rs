@@ -4,7 +4,9 @@ use core::ffi::c_void;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use crate::code::{BwCode, Outcome};
-use crate::state::BW_STATE_ALIGN;
+
+/// Alignment of the memory of a state, bytes, and of the memory of all other objects.
+pub const BW_STATE_ALIGN: usize = 8;
 
 /// What the library keeps in memory of the caller, with a tag.
 pub(crate) trait Object: Sized {

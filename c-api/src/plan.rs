@@ -23,6 +23,9 @@ mod exported {
 
 /// Largest number of channels of a sample.
 pub const BW_MAX_CHANNELS: usize = 8;
+/// Largest number of further channels: as many as the largest model of `BW_MAX_CHANNELS` has besides current and
+/// velocity.
+pub const BW_MAX_FURTHER: usize = 6;
 /// Largest number n of parameters of the regression.
 pub const BW_MAX_PARAMETERS: usize = 12;
 /// Largest number of columns of its rows: n + 1, and by instrumental variables na more.

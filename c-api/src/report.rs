@@ -1,7 +1,8 @@
 //! The report of the last segment.
 
 use bearing_watch::plan::MAX_CHANNELS;
-use bearing_watch::{FrictionTerm, Implausible, Kernel, OrderStrength, Parameter, Part, Reason, Report, Verdict};
+use bearing_watch::shaft::{OrderStrength, Parameter};
+use bearing_watch::{FrictionTerm, Implausible, Kernel, Part, Reason, Report, Verdict};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};

@@ -198,8 +198,8 @@ pub unsafe extern "C" fn bw_discard(state: *mut BwState, before_in_doubt: *mut u
     // SAFETY: the same contract.
     let in_doubt = unsafe { at(state) }.and_then(|state| {
         state.sampling.with(|detector| {
+            let in_doubt = detector.pending() < state.model.constants().sampling.segment_samples / 2;
             detector.discard();
-            let in_doubt = detector.doubts_before();
             if in_doubt {
                 state.doubted.store(state.segments.load(Ordering::Relaxed), Ordering::Relaxed);
             }

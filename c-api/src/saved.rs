@@ -1,6 +1,6 @@
 //! The state of the alarm as bytes, so that it survives power-off.
 
-use bearing_watch::StateError;
+use bearing_watch::alarm::StateError;
 
 use crate::code::{BwCode, code};
 use crate::memory::{at, check, elements, elements_mut, put};

@@ -13,14 +13,12 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use bearing_watch::{Detector, Evidence, Model, Report, Segment, Solver};
 
 use crate::code::{BwCode, Outcome, code};
-use crate::memory::{Object, Tag, check, elements, put, room};
+use crate::memory::{BW_STATE_ALIGN, Object, Tag, check, elements, put, room};
 use crate::plan::Own;
 
 /// Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 /// exactly is needed.
 pub const BW_STATE_SIZE: usize = 21504;
-/// Alignment of that memory, bytes, and of the memory of all other objects.
-pub const BW_STATE_ALIGN: usize = 8;
 
 const _: () = assert!(size_of::<BwState>() <= BW_STATE_SIZE || cfg!(bearing_watch_plan));
 const _: () = assert!(align_of::<BwState>() <= BW_STATE_ALIGN);

@@ -3,7 +3,7 @@
 use core::ffi::{CStr, c_char, c_void};
 use core::mem::offset_of;
 
-use bearing_watch::{Wiring, WiringCheck, WiringFault, WiringLimits};
+use bearing_watch::drive::{Wiring, WiringCheck, WiringFault, WiringLimits};
 
 use crate::code::{BwCode, code};
 use crate::front_end::constants::BwFrontEndConstants;

@@ -16,9 +16,10 @@ mod drive;
 use core::mem::MaybeUninit;
 use core::ptr::{null, null_mut};
 
-use bearing_watch::{
-    Angle, By, CalibrationError, CalibrationLimits, CleanSample, Factor, Faults, FrontEnd, FrontEndConstants,
-    Imbalance, Lock, OffsetCalibration, PhaseCounts, Position, RawSample, WiringCheck, WiringFault, WiringLimits,
+use bearing_watch::Angle;
+use bearing_watch::drive::{
+    By, CalibrationError, CalibrationLimits, CleanSample, Factor, Faults, FrontEnd, FrontEndConstants, Imbalance, Lock,
+    OffsetCalibration, PhaseCounts, Position, RawSample, WiringCheck, WiringFault, WiringLimits,
 };
 use bearing_watch_c::*;
 
@@ -290,7 +291,10 @@ const WIRING: WiringLimits =
     WiringLimits { least_current_a: 0.5, offset_rad: 0.1, delay_s: 1e-4, velocity_tolerance: 0.05, slowest_rad_s: 5.0 };
 
 /// The wiring of changed samples in C and in Rust; the velocity is a factor times the true one.
-fn wired(velocity: f32, change: impl Fn(&mut RawSample<2>)) -> (BwWiring, Result<bearing_watch::Wiring, WiringFault>) {
+fn wired(
+    velocity: f32,
+    change: impl Fn(&mut RawSample<2>),
+) -> (BwWiring, Result<bearing_watch::drive::Wiring, WiringFault>) {
     let mut memory = [0; BW_FRONT_END_SIZE / 8];
     let own_constants = for_c(&CONSTANTS, 8, 2);
     let own = front_end(&mut memory, &own_constants);

@@ -18,10 +18,11 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 16] = [
+const SOURCES: [&str; 17] = [
     "code",
     "plan",
     "signature",
+    "memory",
     "state",
     "sampling",
     "solving",

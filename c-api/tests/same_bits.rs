@@ -80,7 +80,7 @@ fn expected<P: Plan>(report: &Report<P>) -> Vec<(BwValues, Vec<f32>)> {
     let deviations = estimate.map(|own| (0..delta.len()).map(|k| own.deviation(k)).collect()).unwrap_or_default();
     lists.extend([(BwValues::Parameters, delta), (BwValues::ParameterDeviations, deviations)]);
     let terms = report.shaft().map_or(&[][..], |_| &FrictionTerm::ALL);
-    let term = |value: fn(bearing_watch::Parameter) -> f32| {
+    let term = |value: fn(bearing_watch::shaft::Parameter) -> f32| {
         let friction = |term: &FrictionTerm| report.shaft().and_then(|own| own.friction.parameter(*term));
         terms.iter().map(|term| friction(term).map_or(f32::NAN, value)).collect::<Vec<_>>()
     };

@@ -4,7 +4,7 @@
 use core::convert::Infallible;
 use core::hint::black_box as opaque;
 
-use bearing_watch::ad2s1210::{Ad2s1210, Faults, Pins, Reading, Resolution, Settings, Thresholds};
+use bearing_watch::drive::ad2s1210::{Ad2s1210, Faults, Pins, Reading, Resolution, Settings, Thresholds};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};

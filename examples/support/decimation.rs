@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
+use bearing_watch::drive::{FirDecimator, HalfBandDecimator, HalfBandTaps};
 
 use super::count::Counter;
 use super::numbers::Numbers;

@@ -3,6 +3,7 @@
 use core::fmt;
 use core::hint::black_box as opaque;
 
+use bearing_watch::drive::*;
 use bearing_watch::*;
 
 use super::raw::{CONSTANTS, Motor, Sensors};

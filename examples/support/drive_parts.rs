@@ -1,7 +1,8 @@
 //! The work of interrupt and main loop of a drive on a recording, without what connects them: `drive` and the crates of
 //! `frameworks` share it.
 
-use bearing_watch::{Conclusion, Detector, Monitor, RawSample, Report, Segment, Verdict};
+use bearing_watch::drive::RawSample;
+use bearing_watch::{Conclusion, Detector, Monitor, Report, Segment, Verdict};
 
 use crate::model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
 use crate::support::hash::Hash;

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use bearing_watch::{By, Factor, FrontEnd, RawSample};
+use bearing_watch::drive::{By, Factor, FrontEnd, RawSample};
 
 use super::count::Counter;
 use super::decimation::{Spread, spread};

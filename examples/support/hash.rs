@@ -1,7 +1,8 @@
 //! A hash of results: equal on host and target means equal bits.
 
 use bearing_watch::plan::Plan;
-use bearing_watch::{Estimate, FrictionTerm, OrderStrength, ShaftEstimate};
+use bearing_watch::shaft::{OrderStrength, ShaftEstimate};
+use bearing_watch::{Estimate, FrictionTerm};
 
 /// FNV-1a over the bits of results.
 pub struct Hash(u32);

@@ -1,9 +1,10 @@
 //! Raw samples of a turning motor, and the bits of its front end.
 
-use bearing_watch::{
-    Angle, BalanceLimits, By, Factor, FrontEnd, FrontEndConstants, Park, PhaseCounts, PhaseSensor, Position, RawSample,
+use bearing_watch::drive::{
+    BalanceLimits, By, Factor, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample,
     ResolverLimits, RotorFrame, TrackingConstants,
 };
+use bearing_watch::{Angle, Park};
 
 use super::numbers::Numbers;
 

@@ -1,6 +1,7 @@
 //! Damage to raw samples: counts, position and numbers of any bits.
 
-use bearing_watch::{Angle, PhaseCounts, Position, RawSample};
+use bearing_watch::Angle;
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 
 use super::damage::{CHANNELS, Damage, Dice, Kind, Recipe};
 

@@ -1,6 +1,7 @@
 //! Rows of a recording, as `bearing-watch replay --rows` writes them, from the file `rows.bin`.
 
-use bearing_watch::{Angle, PhaseCounts, Position, RawSample};
+use bearing_watch::Angle;
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 
 use self::file::File;
 

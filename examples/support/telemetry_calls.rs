@@ -2,12 +2,13 @@
 
 use core::hint::black_box as opaque;
 
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::plan::Plan;
 use bearing_watch::telemetry::{
     Block, Body, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock, RawEncoder, RawRecorder, Recorder, Source,
     Summary,
 };
-use bearing_watch::{Angle, Evidence, Model, PhaseCounts, Position, RawSample, Report};
+use bearing_watch::{Angle, Evidence, Model, Report};
 
 /// Frames of a report and of samples; `show` writes an error.
 pub fn encode<P: Plan>(

@@ -11,8 +11,8 @@
 
 use std::ops::Range;
 
-use bearing_watch::Structure;
 use bearing_watch::internals::Inputs;
+use bearing_watch::plan::Structure;
 use nalgebra::{DMatrix, DVector};
 
 /// A record in double precision.

@@ -1,11 +1,11 @@
 //! Plans, channels and constants of the core, from few numbers.
 
-use bearing_watch::Structure;
 use bearing_watch::internals::{Alone, Inputs};
 use bearing_watch::model::{
     Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature, Label, Name,
     Novelty, Projection, Regression, Sampling, ShaftConstants,
 };
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{
     Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, Signal,
 };

@@ -10,8 +10,8 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::Structure;
 use bearing_watch::internals::Inputs;
+use bearing_watch::plan::Structure;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -1,9 +1,10 @@
 //! The core's estimators as the tests set them up: scaled to the samples, from a plant's nominal model.
 
+use bearing_watch::Reason;
 use bearing_watch::internals::{Inputs, Mass, Problem, Solution, Solved, Triangle};
 use bearing_watch::model::Forgetting;
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Layout, Memory, Method, Plan, RegressionLayout, RunTime};
-use bearing_watch::{Reason, Structure};
 use nalgebra::{DMatrix, DVector};
 
 use crate::oracle::{self, Course, Fit};

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use bearing_watch::FrictionTerm;
+use bearing_watch::alarm::Baseline;
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Baseline, FrictionTerm};
 use model::Error;
 use model::core::{SegmentReport, Stream, Watched, Watcher};
 use model::identify::Terms as _;
@@ -253,7 +254,7 @@ impl Detector {
         result.set_item("slip", wide(orders, &|(own, _)| own.orders.iter().map(|o| o.slip).collect())?)?;
         let friction = |(own, _): &Judged| {
             let of = own.friction.filter(|own| own.rows > 0);
-            let each = |own: bearing_watch::Friction| {
+            let each = |own: bearing_watch::shaft::Friction| {
                 FrictionTerm::ALL.map(|term| own.parameter(term).map_or(f32::NAN, |own| own.value)).to_vec()
             };
             of.map_or_else(Vec::new, each)

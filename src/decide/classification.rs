@@ -7,14 +7,14 @@
 //!                                                  distance, surprise ◄─ healthy factor ◄───┘
 //! ```
 
-use super::Classifier;
-use super::density::Density;
+use super::classifier::Classifier;
 use super::discriminant::{Deciding, Decision};
 use super::features::{Estimates, FeatureValue};
-use super::rising;
-use crate::factor::pairs;
+use super::gates::density::Density;
+use super::gates::rising;
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::reason::{Part, Reason};
+use crate::regression::factor::pairs;
 
 /// More steps than the largest model has.
 const MAX_STEPS: u32 = 1 << 24;
@@ -178,7 +178,7 @@ impl<P: Plan> Classification<P> {
     ///
     /// # Errors
     /// As the result of [`Classification::step`].
-    pub(super) fn run(
+    pub(crate) fn run(
         &mut self,
         plan: P,
         classifier: &Classifier<P>,
@@ -200,7 +200,7 @@ impl<P: Plan> Classification<P> {
     }
 
     /// The coordinates and the variances of their errors, once they are there.
-    pub(super) fn coordinates(&self) -> (&[f32], &[f32]) {
+    pub(crate) fn coordinates(&self) -> (&[f32], &[f32]) {
         (self.coordinates.cells(), self.variances.cells())
     }
 

@@ -17,8 +17,8 @@
 //! 46 %. Cost: 6 V operations a feature.
 
 use super::features::{Feature, FeatureValue};
-use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
+use crate::regression::factor::pairs;
 
 /// (2), as part of the range.
 const MARGIN: f32 = 0.1;

@@ -14,10 +14,10 @@
 //! its discriminant is linear, although the thesis calls it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds and the
 //! factors; (2) adds one exponential a class.
 
-use super::density::Density;
-use super::novelty::Departure;
-use crate::factor::pairs;
+use super::gates::Departure;
+use super::gates::density::Density;
 use crate::plan::{Array, Cells, Kind, Plan};
+use crate::regression::factor::pairs;
 
 /// The mark of a decision that was made without a model.
 pub const UNMARKED: u32 = 0;
@@ -85,7 +85,7 @@ impl<P: Plan> Decision<P> {
     }
 
     /// Takes distance and surprises.
-    pub(super) fn depart(&mut self, departure: Departure) {
+    pub(crate) fn depart(&mut self, departure: Departure) {
         (self.distance, self.surprise) = (departure.distance, departure.surprise);
         self.distance_surprise = departure.distance_surprise;
     }
@@ -158,21 +158,21 @@ impl<P: Plan> Discriminant<P> {
     }
 
     /// The density of a class for coordinates of these errors.
-    pub(super) fn density(&self, kind: Kind, coordinates: usize, variances: &[f32], class: usize) -> Density<P> {
+    pub(crate) fn density(&self, kind: Kind, coordinates: usize, variances: &[f32], class: usize) -> Density<P> {
         Density::of(self.factor(kind, coordinates, class), variances, coordinates)
     }
 
     /// The factor of a class.
-    pub(super) fn factor(&self, kind: Kind, coordinates: usize, class: usize) -> &[f32] {
+    pub(crate) fn factor(&self, kind: Kind, coordinates: usize, class: usize) -> &[f32] {
         let place = match kind {
             Kind::Linear => 0,
-            Kind::Quadratic => class.wrapping_mul(crate::factor::lower(coordinates, 0)),
+            Kind::Quadratic => class.wrapping_mul(crate::regression::factor::lower(coordinates, 0)),
         };
         self.factors.cells().get(place..).unwrap_or(&[])
     }
 
     /// (z − μ)ᵀ S⁻¹ (z − μ) by the factor of the class.
-    pub(super) fn squared_distance(&self, density: &Density<P>, z: &[f32], class: usize) -> f32 {
+    pub(crate) fn squared_distance(&self, density: &Density<P>, z: &[f32], class: usize) -> f32 {
         let mean = self.means.cells().get(class.wrapping_mul(z.len())..).unwrap_or(&[]);
         density.squared_distance(mean, z)
     }

@@ -17,12 +17,12 @@
 //! Raw parameters a, b, c and physical constants are affine combinations of these features; the projection forms them.
 //! The cube root of a mean of squares is nearly normal (Wilson and Hilferty 1931), as discriminant and gate assume.
 
-use crate::average::Average;
-use crate::estimate::Estimate;
 use crate::logarithm::ln_of_level;
 use crate::plan::{Layout, Plan};
 use crate::reason::{FrictionTerm, Reason};
+use crate::regression::estimate::Estimate;
 use crate::shaft::{Balance, ShaftEstimate};
+use crate::signal::average::Average;
 
 /// Smaller amplitudes count as this value, A.
 const LEAST_AMPLITUDE: f32 = 1e-6;
@@ -183,7 +183,8 @@ fn channel_value(
 mod tests {
     use super::*;
     use crate::plan::{Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
-    use crate::shaft::{OrderStrength, Parameter, tests};
+    use crate::shaft::state::tests;
+    use crate::shaft::{OrderStrength, Parameter};
     use std::vec;
 
     /// Without priors.

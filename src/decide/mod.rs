@@ -1,119 +1,21 @@
-//! Estimates → [`Decision`], and decisions of many segments → alarm.
+//! Results of a segment → [`Decision`] with its contributions.
 //!
-//! Features → covariates → projection → discriminant and novelty, once a segment; [`Evidence`] collects decisions. A
-//! feature without a result is missing: the decision uses the others, and says which were missing.
+//! Enters: the estimate, friction and orders of a segment, and means of channels. Leaves: the decision, once a segment,
+//! by features → covariates → projection → discriminant and gates. A feature without a result is missing: the decision
+//! uses the others, and says which were missing.
 
-mod baseline;
 mod classification;
-mod commissioning;
+mod classifier;
 mod covariates;
-mod density;
 mod discriminant;
-mod evidence;
 mod features;
-mod novelty;
+pub(crate) mod gates;
 mod projection;
-mod rising;
-mod silence;
-mod trend;
 
-pub use baseline::{Baseline, BaselineConstants, BaselineMismatch};
 pub use classification::Classification;
-pub use commissioning::{Commissioning, CommissioningConstants, CommissioningError};
+pub use classifier::{Classifier, Finding};
 pub use covariates::{Covariate, Covariates};
 pub use discriminant::{Decision, Discriminant, UNMARKED};
-pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
 pub use features::{Estimates, Feature, FeatureValue};
-pub use novelty::{Departure, KNOTS, Law, MAX_SURPRISE, Novelty};
+pub use gates::{Departure, KNOTS, Law, MAX_SURPRISE, Novelty};
 pub use projection::Projection;
-pub use silence::{Silence, SilenceLimits};
-#[cfg(feature = "internals")]
-pub use trend::MAX_TREND_SEGMENTS;
-pub use trend::Trend;
-
-use crate::plan::{Array, Cells, Plan};
-
-/// The trained constants of the classifier.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Classifier<P: Plan> {
-    /// The features.
-    pub features: Array<P::Features, Feature>,
-    /// What explains a part of the features.
-    pub covariates: Covariates<P>,
-    /// Their affine map to coordinates.
-    pub projection: Projection<P>,
-    /// Class densities, priors and costs.
-    pub discriminant: Discriminant<P>,
-    /// The distribution of the healthy class.
-    pub novelty: Novelty<P>,
-}
-
-/// What a decision means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Finding {
-    /// The class of least expected cost.
-    Class(u8),
-    /// Healthy has the least expected cost, but the segment is too far from the healthy class; or the segment is too
-    /// far from every class.
-    Novel,
-    /// The least expected cost exceeds the cost of no decision.
-    Ambiguous,
-}
-
-impl<P: Plan> Classifier<P> {
-    /// Decides from log-likelihoods and a surprise, for instance of several segments together; `None` if no likelihood
-    /// is finite.
-    #[must_use]
-    pub fn decide(&self, plan: P, log_likelihoods: &[f32], surprise: f32) -> Option<Decision<P>> {
-        let mut decision = Decision::empty(plan);
-        (decision.distance_surprise, decision.surprise) = (surprise, surprise);
-        self.discriminant.decide(log_likelihoods, &mut decision).then_some(decision)
-    }
-
-    /// Decides at projected coordinates whose errors have these variances: infinite for a missing coordinate, 0 for
-    /// coordinates without a variance. `None` if no likelihood is finite.
-    #[must_use]
-    pub fn decide_at(&self, plan: P, coordinates: &[f32], variances: &[f32]) -> Option<Decision<P>> {
-        let layout = plan.layout();
-        let classes = layout.classes as usize;
-        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(classes, 0.0);
-        let mut beyond: Array<P::Classes, bool> = Cells::filled(classes, false);
-        let mut class = 0_u8;
-        for (likelihood, beyond) in likelihoods.cells_mut().iter_mut().zip(beyond.cells_mut()) {
-            let place = class as usize;
-            let density = self.discriminant.density(layout.discriminant, coordinates.len(), variances, place);
-            let squared = self.discriminant.squared_distance(&density, coordinates, place);
-            *likelihood = density.log_density(squared);
-            *beyond = self.novelty.excludes(class, squared, [density.available(), coordinates.len()]);
-            class = class.wrapping_add(1);
-        }
-        let mut decision = self.decide(plan, likelihoods.cells(), 0.0)?;
-        decision.beyond = beyond;
-        decision.depart(self.novelty.judge(coordinates, variances));
-        Some(decision)
-    }
-
-    /// Compares a decision with the limits. Novelty is checked before ambiguity, so that the false-alarm rate is the
-    /// set rate.
-    #[inline]
-    #[must_use]
-    pub fn finding(&self, decision: &Decision<P>) -> Finding {
-        let unhealthy = decision.surprise >= self.novelty.limit;
-        // Costs may decide for a class that the segment is far from, if it is near another one.
-        let mut class = 0_u8;
-        let far_from_all = decision.beyond().iter().all(|beyond| {
-            let far = *beyond || (unhealthy && Some(class) == self.novelty.class);
-            class = class.wrapping_add(1);
-            far
-        });
-        if far_from_all || (unhealthy && Some(decision.class) == self.novelty.class) {
-            Finding::Novel
-        } else if decision.least_cost() > self.discriminant.reject_cost {
-            Finding::Ambiguous
-        } else {
-            Finding::Class(decision.class)
-        }
-    }
-}

@@ -17,8 +17,8 @@
 //! chose. The mean is subtracted first, so that no digits cancel in the sums. Cost: 2 Z·F multiply-adds.
 
 use super::features::FeatureValue;
-use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
+use crate::regression::factor::pairs;
 
 /// The map (1).
 #[derive(Clone, Debug, PartialEq)]

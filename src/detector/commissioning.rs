@@ -1,6 +1,6 @@
 //! Commissioning by the reports of a detector.
 
-use crate::decide::{Commissioning, CommissioningConstants, CommissioningError};
+use crate::alarm::{Commissioning, CommissioningConstants, CommissioningError};
 use crate::model::Model;
 use crate::plan::Plan;
 use crate::reason::Reason;

@@ -20,16 +20,16 @@ pub use solver::{Segment, Solver};
 
 use sequence::Sequence;
 
-use crate::average::{self, Averages};
-use crate::drive::BlockMean;
-use crate::estimate::Estimator;
 use crate::known_answers::arithmetic_test;
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::regression::Inputs;
+use crate::regression::estimate::Estimator;
 use crate::report::Report;
-use crate::sample::{Counts, Gate, limit};
 use crate::shaft::Shaft;
+use crate::signal::BlockMean;
+use crate::signal::average::{self, Averages};
+use crate::signal::{Counts, Gate, limit};
 
 /// Running state next to the current loop. The model stays where it is (flash) and may live shorter than the program,
 /// so that another one can replace it without a restart.
@@ -242,8 +242,8 @@ impl<'m, P: Plan> Detector<'m, P> {
     }
 
     /// Discards what the open segment has taken, which was found to be wrong after it was taken:
-    /// [`CleanSample::found_late`](crate::CleanSample::found_late). The segment closes where it would have, and has a
-    /// verdict if half of it follows this call and is usable. Fading memory begins anew.
+    /// [`CleanSample::found_late`](crate::drive::CleanSample::found_late). The segment closes where it would have, and
+    /// has a verdict if half of it follows this call and is usable. Fading memory begins anew.
     ///
     /// If less than half of the segment had passed, the fault may have begun in the segment before: [`Monitor`] then
     /// withdraws the report of that one, which its evidence has not taken yet.

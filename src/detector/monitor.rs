@@ -13,11 +13,12 @@
 
 use super::sequence::Sequence;
 use super::solver::{PIECE, Segment, Solve};
-use crate::decide::{Alarm, Baseline, BaselineConstants, Evidence, Silence, SilenceLimits, Trend};
+use crate::alarm::baseline::BaselineConstants;
+use crate::alarm::evidence::{Alarm, Evidence};
+use crate::alarm::{Baseline, Silence, SilenceLimits, StateError, Trend};
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan};
 use crate::report::Report;
-use crate::saved::StateError;
 
 /// The main loop's half of a detector: it solves closed segments and gathers the evidence for an alarm.
 ///

@@ -1,16 +1,17 @@
 //! A closed segment → its [`Report`], at once or in pieces of bounded cost.
 
 use super::sequence::Sequence;
-use crate::average::{self, Averages};
-use crate::decide::{Baseline, Classification, Decision, Finding};
-use crate::estimate::{RegressionSolve, RegressionSums};
-use crate::known_answers::{Kernel, arithmetic_test};
+use crate::alarm::Baseline;
+use crate::decide::{Classification, Decision, Finding};
+use crate::known_answers::arithmetic_test;
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
-use crate::reason::Reason;
+use crate::reason::{Kernel, Reason};
+use crate::regression::estimate::{RegressionSolve, RegressionSums};
 use crate::report::{Report, Verdict};
-use crate::sample::Counts;
 use crate::shaft::{ShaftSolve, ShaftSums};
+use crate::signal::Counts;
+use crate::signal::average::{self, Averages};
 
 /// Instructions of a piece, about; its last step may exceed them.
 pub(super) const PIECE: usize = 140;

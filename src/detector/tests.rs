@@ -1,5 +1,5 @@
 use super::{Detector, Segment, Solver};
-use crate::decide::Cause;
+use crate::alarm::Cause;
 use crate::model::{Constants, EvidenceConstants, Model};
 use crate::reason::Reason;
 use crate::report::{Report, Verdict};
@@ -191,7 +191,7 @@ fn what_another_model_made_is_refused() {
     let report = other.conclude(collect(&other));
     assert_eq!(report.verdict, Verdict::Class(1));
     let mut evidence = model.evidence();
-    evidence.limit_silence(crate::SilenceLimits { segments: 1, hours: 0.0 });
+    evidence.limit_silence(crate::alarm::SilenceLimits { segments: 1, hours: 0.0 });
     evidence.observe(report.decision.as_ref());
     let reason = Some(Reason::OtherModel);
     assert_eq!((evidence.segments(), evidence.silence().and_then(|own| own.reason)), ((1, 1), reason));

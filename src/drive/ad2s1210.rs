@@ -29,7 +29,8 @@ use embedded_hal::spi::SpiDevice;
 pub use faults::Faults;
 pub use settings::{Resolution, Settings, Thresholds};
 
-use super::{Angle, Position};
+use super::Position;
+use crate::signal::Angle;
 use settings::NOMINAL_CLOCK_HZ;
 
 /// Width of a pulse at SAMPLE: two periods of the slowest clock and 20 ns.
@@ -58,7 +59,7 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// The reading for a [`FrontEnd`](crate::FrontEnd): missing if there is any fault.
+    /// The reading for a [`FrontEnd`](crate::drive::FrontEnd): missing if there is any fault.
     #[must_use]
     pub const fn position(&self) -> Position {
         if self.faults.any() { Position::Missing } else { Position::Absolute(self.angle) }

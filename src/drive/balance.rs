@@ -20,7 +20,8 @@
 //! A common error of all three gains leaves the sum at zero and is not seen. Cost: nine numbers of state; a sum of six
 //! products at most 16 times an electrical turn.
 
-use super::{Abc, Angle, Phase};
+use super::Phase;
+use crate::signal::{Abc, Angle};
 
 /// What (2), (3) and (6) expect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +76,8 @@ struct Sums {
 /// Compares the three phase currents over windows.
 ///
 /// ```
-/// use bearing_watch::{Abc, Angle, BalanceLimits, CurrentBalance, Imbalance, Phase};
+/// use bearing_watch::drive::{Abc, BalanceLimits, CurrentBalance, Imbalance, Phase};
+/// use bearing_watch::Angle;
 /// let limits = BalanceLimits { noise_a: 0.05, gain_tolerance: 0.02, window: 64 };
 /// let mut balance = CurrentBalance::new(limits);
 /// for k in 0..200 {

@@ -122,7 +122,7 @@ impl Sums {
 /// Measures the offsets of the current sensors.
 ///
 /// ```
-/// use bearing_watch::{CalibrationLimits, OffsetCalibration, PhaseCounts, PhaseSensor};
+/// use bearing_watch::drive::{CalibrationLimits, OffsetCalibration, PhaseCounts, PhaseSensor};
 /// let sensor = PhaseSensor { offset_counts: 2048.0, gain_a: 0.01, usable: [16, 4079] };
 /// let limits =
 ///     CalibrationLimits { samples: 1000, offset_counts: [1948.0, 2148.0], deviation_counts: [0.1, 8.0] };
@@ -132,7 +132,7 @@ impl Sums {
 /// }
 /// let [a, b, _] = calibration.finish([sensor; 3])?;
 /// assert!((a.offset_counts - 2050.5).abs() < 1e-3 && (b.offset_counts - 2042.0).abs() < 1e-2);
-/// # Ok::<(), bearing_watch::CalibrationError>(())
+/// # Ok::<(), bearing_watch::drive::CalibrationError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -9,7 +9,7 @@
 //! Park transform and the decimators pass on and the detector refuses. Earlier samples were used; the window must
 //! therefore be long enough for a working converter to change in it, and short against a segment.
 
-use super::{Abc, AlphaBeta};
+use crate::signal::{Abc, AlphaBeta};
 
 /// A phase of the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,7 +124,7 @@ const fn packed(a: u16, b: u16, c: u16) -> [u32; 2] {
 /// The current sensors of a motor: (1), saturation and stuck converters.
 ///
 /// ```
-/// use bearing_watch::{CurrentSensors, PhaseCounts, PhaseSensor};
+/// use bearing_watch::drive::{CurrentSensors, PhaseCounts, PhaseSensor};
 /// let sensor = PhaseSensor { offset_counts: 2048.0, gain_a: 0.01, usable: [16, 4079] };
 /// let mut sensors = CurrentSensors::new([sensor; 3], 50);
 /// let currents = sensors.convert(&PhaseCounts::Three([2148, 1998, 1998])); // 1 A, −0.5 A, −0.5 A

@@ -1,39 +1,36 @@
-//! From signals of the drive to filtered samples.
+//! The front end, if samples come from raw counts: signals of the drive → filtered samples.
 //!
-//! [`FrontEnd`] is the interface: raw counts at the control rate in, samples for a detector out. Each of its parts can
-//! be used by itself.
+//! Enters: counts of currents and of a resolver, or angles, at the control rate. Leaves: samples for a detector, at the
+//! rate of identification. [`FrontEnd`] is the interface; each of its parts can be used by itself. Angles and Park's
+//! sign convention are those of the detector: [`Angle`](crate::Angle), [`Park`](crate::Park).
 //!
 //! ```text
 //! current, calibration   counts ─► amperes; offsets at standstill
 //! balance                three currents against each other
 //! resolver, tracking     sine and cosine, or an angle ─► loop, lock
-//! angle, frame           binary angles; Clarke, Park ─► rotor_frame
-//! travel, wiring         velocity against angle; phases, pole pairs, offset and rate at commissioning
+//! rotor_frame            electrical angle of the rotor; Clarke, Park
+//! wiring                 phases, pole pairs, offset and rate at commissioning
 //! decimate               from the control rate to that of identification
 //! front_end              ties them
 //! ```
 
 #[cfg(feature = "embedded-hal")]
 pub mod ad2s1210;
-pub mod angle;
-pub mod balance;
-pub mod calibration;
-pub mod current;
-pub mod decimate;
-pub mod frame;
-pub mod front_end;
-pub mod resolver;
-pub mod rotor_frame;
-pub mod tracking;
-pub mod travel;
-pub mod wiring;
+mod balance;
+mod calibration;
+mod current;
+mod decimate;
+mod front_end;
+mod resolver;
+mod rotor_frame;
+mod tracking;
+mod wiring;
 
-pub use angle::{Angle, SinCos};
+pub use crate::signal::{Abc, AlphaBeta, BlockMean, Dq0, SinCos};
 pub use balance::{BalanceLimits, CurrentBalance, Imbalance};
 pub use calibration::{CalibrationError, CalibrationLimits, OffsetCalibration};
 pub use current::{CurrentSensors, Phase, PhaseCounts, PhaseFaults, PhaseSensor};
-pub use decimate::{BlockMean, By, Decimate, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
-pub use frame::{Abc, AlphaBeta, Dq0, Park};
+pub use decimate::{By, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use front_end::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample};
 pub use resolver::{ResolverFaults, ResolverLimits};
 pub use rotor_frame::RotorFrame;

@@ -22,7 +22,7 @@
 
 use micromath::F32;
 
-use super::{Angle, SinCos};
+use crate::signal::{Angle, SinCos};
 
 /// What the amplitude of resolver signals must be.
 #[derive(Clone, Copy, Debug, PartialEq)]

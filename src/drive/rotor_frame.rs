@@ -2,7 +2,7 @@
 //!
 //! Input: stator currents and mechanical shaft angle. Output: direct and quadrature current.
 
-use super::{AlphaBeta, Angle, Dq0, Park};
+use crate::signal::{AlphaBeta, Angle, Dq0, Park};
 
 /// Stator currents and mechanical shaft angle → currents in the rotor frame.
 ///
@@ -10,7 +10,8 @@ use super::{AlphaBeta, Angle, Dq0, Park};
 /// over time. An integrated velocity would: the transform is very sensitive to errors of the angle (thesis Fig. 5.35).
 ///
 /// ```
-/// use bearing_watch::{Abc, AlphaBeta, Angle, RotorFrame, Park};
+/// use bearing_watch::drive::{Abc, AlphaBeta, RotorFrame};
+/// use bearing_watch::{Angle, Park};
 /// let frame = RotorFrame { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
 /// // A current vector 90° (electrical) ahead of the magnet axis is pure quadrature current.
 /// let dq = frame.transform(AlphaBeta::from_two(0.0, 8.660_254), Angle::ZERO); // two current sensors

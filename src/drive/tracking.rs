@@ -25,9 +25,8 @@
 
 use core::f32::consts::TAU;
 
-use super::Angle;
-use super::angle::RAD;
 use super::resolver::{self, ResolverFaults, ResolverLimits, ResolverSignal};
+use crate::signal::{Angle, RAD};
 
 /// Error of a settling loop beyond which its velocity is taken for that of a wrong reading: 43°, or 37° by a resolver,
 /// whose error is the tangent of the angle's.
@@ -130,7 +129,8 @@ impl Tracked {
 /// Follows the shaft angle by (2).
 ///
 /// ```
-/// use bearing_watch::{Angle, Lock, Position, PositionTracker, ResolverLimits, TrackingConstants};
+/// use bearing_watch::drive::{Lock, Position, PositionTracker, ResolverLimits, TrackingConstants};
+/// use bearing_watch::Angle;
 /// let resolver = ResolverLimits { low: 0.8, high: 1.2, mismatch: 0.05 };
 /// let tracking = TrackingConstants {
 ///     bandwidth_hz: 300.0, damping: 0.7, error_limit_rad: 0.1, lost_samples: 20, settle_samples: 20, resolver,

@@ -23,9 +23,8 @@
 
 use core::fmt;
 
-use super::angle::RAD;
-use super::travel::Travel;
-use super::{AlphaBeta, Angle, RotorFrame, SinCos};
+use super::RotorFrame;
+use crate::signal::{AlphaBeta, Angle, RAD, SinCos, Travel};
 
 /// Largest number of pole pairs that is tried besides that of the frame.
 pub const MAX_POLE_PAIRS: usize = 16;
@@ -175,11 +174,12 @@ pub struct Wiring {
     pub velocity_ratio: Option<f32>,
 }
 
-/// Checks the wiring while the drive moves. [`FrontEnd::check_wiring`](crate::FrontEnd::check_wiring) feeds it from raw
-/// counts.
+/// Checks the wiring while the drive moves. [`FrontEnd::check_wiring`](super::FrontEnd::check_wiring) feeds it from
+/// raw counts.
 ///
 /// ```
-/// use bearing_watch::{AlphaBeta, Angle, Park, RotorFrame, WiringCheck, WiringFault, WiringLimits};
+/// use bearing_watch::drive::{AlphaBeta, RotorFrame, WiringCheck, WiringFault, WiringLimits};
+/// use bearing_watch::{Angle, Park};
 /// let frame = RotorFrame { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
 /// let limits = WiringLimits {
 ///     least_current_a: 0.5, offset_rad: 0.1, delay_s: 1e-4, velocity_tolerance: 0.05, slowest_rad_s: 5.0,

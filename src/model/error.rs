@@ -1,7 +1,7 @@
 //! Why a model is refused, and the field that is concerned.
 
-use crate::drive::Park;
 use crate::plan::LayoutError;
+use crate::signal::Park;
 
 /// A field of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,8 @@
 //! 2³².
 
 use super::parts::{Parts, RegressionParts, ShaftParts};
-use crate::decide::{EvidenceConstants, UNMARKED};
+use crate::alarm::EvidenceConstants;
+use crate::decide::UNMARKED;
 use crate::shaft::TrackedOrder;
 
 /// Words so far.

@@ -1,11 +1,12 @@
 //! The numbers of a model as slices of any length, as the checks read them.
 
-use super::Sampling;
-use crate::decide::{Covariate, EvidenceConstants, Feature, KNOTS, Law};
-use crate::factor::Forgetting;
+use super::sampling::Sampling;
+use crate::alarm::EvidenceConstants;
+use crate::decide::{Covariate, Feature, KNOTS, Law};
 use crate::plan::Layout;
-use crate::sample::{Channel, Label};
+use crate::regression::factor::Forgetting;
 use crate::shaft::{Balance, Blocks, Lags, TrackedOrder};
+use crate::signal::{Channel, Label};
 
 /// The numbers of a regression as slices.
 #[doc(hidden)]

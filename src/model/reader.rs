@@ -7,11 +7,11 @@ use super::{
     Field, Forgetting, KNOTS, Label, Lags, ModelError, Name, Novelty, Projection, Regression, Sampling, ShaftConstants,
     StateVariable, TERMS, TrackedOrder, Tracking,
 };
-use crate::drive::Park;
 use crate::plan::{
     Array, Cells, Kind, Layout, MAX_HARMONICS, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
 };
 use crate::reason::FrictionTerm;
+use crate::signal::Park;
 
 /// Stands for "none" in a byte.
 pub(super) const NONE: u8 = u8::MAX;

@@ -8,13 +8,14 @@
 use super::error::{Field, ModelError};
 use super::parts::{Parts, RegressionParts, ShaftParts};
 use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, reaches, split};
-use super::{MAX_BLOCK_MEAN, Sampling};
-use crate::decide::{Covariate, EvidenceConstants, MAX_SURPRISE};
-use crate::estimate::is_stable;
-use crate::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
+use super::sampling::{MAX_BLOCK_MEAN, Sampling};
+use crate::alarm::EvidenceConstants;
+use crate::decide::{Covariate, MAX_SURPRISE};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
-use crate::sample::{Channel, Label};
+use crate::regression::estimate::is_stable;
+use crate::regression::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 use crate::shaft::{Blocks, Lags, MAX_BLOCKS, MAX_LAG, StateVariable, TrackedOrder, least_samples};
+use crate::signal::{Channel, Label};
 
 /// Orders beyond this would turn more than half a turn between samples at any speed that can be tracked.
 const MAX_ORDER_Q16: i32 = 1000 << 16;

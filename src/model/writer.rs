@@ -6,9 +6,9 @@ use super::{
     ShaftConstants, StateVariable,
 };
 use crate::checksum::Crc32;
-use crate::drive::Park;
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
 use crate::reason::FrictionTerm;
+use crate::signal::Park;
 
 /// Where the bytes go.
 pub(crate) trait Sink {

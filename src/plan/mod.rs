@@ -39,9 +39,9 @@ pub(crate) use lengths::filter_cells;
 #[cfg(test)]
 pub mod testing;
 
-use crate::drive::Angle;
 #[doc(hidden)]
 pub use crate::printable::Printable;
+use crate::signal::Angle;
 
 /// One sample of all channels of a plan.
 pub trait Signals: Clone + PartialEq + Printable {

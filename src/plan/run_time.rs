@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::{Heap, Layout, Plan, Signals};
-use crate::drive::Angle;
+use crate::signal::Angle;
 
 /// A plan whose layout the model brings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,7 +10,7 @@
 /// The order vector `[na nb nc nkb nkc]` of (1), and whether a constant is estimated.
 ///
 /// ```
-/// use bearing_watch::Structure;
+/// use bearing_watch::plan::Structure;
 /// const STRUCTURE: Structure = Structure::new(2, 2, 2, 1, 1);
 /// assert_eq!(STRUCTURE.parameters(), 6);
 /// assert_eq!(STRUCTURE.depth(), 2); // a row needs the two samples before it

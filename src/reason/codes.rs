@@ -1,7 +1,7 @@
 //! Reasons as numbers, those of the C interface, and back.
 
+use super::kernel::Kernel;
 use super::{FrictionTerm, Implausible, Part, Reason};
-use crate::known_answers::Kernel;
 
 /// A reason as numbers: its kind, its part, parameter, term, channel, covariate, error or kernel, and its rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,8 +11,8 @@
 //! from 1e3–1e6 to 5–2e3. That reduces the error in `f32` by two to five decades, for a few subtractions. Scaling by
 //! powers of two is exact.
 
-use crate::factor::Forgetting;
 use crate::plan::{Array, Cells, Plan};
+use crate::regression::factor::Forgetting;
 
 /// Scales, nominal model and limits of a regression.
 #[derive(Clone, Debug, PartialEq)]

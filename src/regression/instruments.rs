@@ -31,9 +31,9 @@
 use super::auxiliary::{self, Auxiliary, Candidate};
 use super::constants::Regression;
 use super::delays::Delays;
-use super::{Frame, Inputs, carry_on, dot};
-use crate::factor::Row;
+use super::inputs::{Frame, Inputs, carry_on, dot};
 use crate::plan::{Array, Cells, MAX_OUTPUT_TERMS, Memory, Plan, RegressionLayout, Structure, filter_cells};
+use crate::regression::factor::Row;
 use crate::unroll::unrolled;
 
 /// The simulated output may exceed the limit of the measured output by this factor.

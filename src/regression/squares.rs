@@ -13,9 +13,9 @@
 use super::auxiliary::{self, Auxiliary, Candidate};
 use super::constants::Regression;
 use super::delays::Delays;
-use super::{Inputs, carry_on, dot};
-use crate::factor::Row;
+use super::inputs::{Inputs, carry_on, dot};
 use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout, Structure};
+use crate::regression::factor::Row;
 
 /// Rows of least squares.
 ///

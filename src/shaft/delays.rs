@@ -1,6 +1,22 @@
 //! How far the ring of the shaft is read back for each signal, so that all refer to one instant.
 
-use super::{Lags, RING};
+/// Longest lag that can be compensated, samples.
+pub const MAX_LAG: f32 = 5.0;
+/// Samples kept for the delay: an interpolation reads one sample beyond the longest lag, the middle of an interval one
+/// more.
+pub(super) const RING: u8 = 8;
+
+/// Samples by which measured signals lag behind the angle, 0 … [`MAX_LAG`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Lags {
+    /// Lag of the current.
+    pub current: f32,
+    /// Lag of the velocity; that of differences of the angle is half a sample.
+    pub velocity: f32,
+    /// Lag of the load.
+    pub load: f32,
+}
 
 /// How far the ring is read back for one signal.
 #[derive(Clone, Copy, Debug, PartialEq)]

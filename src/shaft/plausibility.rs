@@ -11,7 +11,7 @@
 //! ones. (1) removes the contribution of the prior to p: a tight prior would keep p near n although the signals are
 //! wrong. √2 is the geometric mean of 1 and 2, the errors of a right signal and of one at half or double the sampling
 //! rate; the prior is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. If the
-//! ratio (3) of [`Travel`](crate::drive::travel) is wrong, so is the velocity, whatever the balance. R is the sum of
+//! ratio (3) of [`Travel`](crate::signal::Travel) is wrong, so is the velocity, whatever the balance. R is the sum of
 //! squares of the residual, E that of the current which the terms explain, and c the part of the rows that the terms
 //! fit by chance. A current that was transformed at another angle than that of the rotor (pole pairs, phase order,
 //! electrical offset) follows neither motion nor load, while a defect adds friction, which the terms explain, and
@@ -23,8 +23,7 @@
 //! spread; wrong signals of a shaft at constant speed under constant load; wrong scales without a measured load, except
 //! by (3); and wrong signals of a plan without a shaft.
 
-use super::balance::{Balance, TERMS};
-use super::friction::{Friction, Parameter};
+use super::balance::{Balance, Friction, Parameter, TERMS};
 use crate::reason::Implausible::{
     self, Current, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign, VelocityScale,
     VelocitySign,
@@ -172,7 +171,7 @@ mod tests {
             nominal: [2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
             prior: [0.2; 7],
             deviation,
-            ..crate::shaft::tests::balance()
+            ..crate::shaft::state::tests::balance()
         };
         let parameter = |value| Parameter { value, deviation: 0.02, score: 0.0 };
         let cause = |inertia, torque: Option<f32>| {
@@ -190,7 +189,7 @@ mod tests {
 
     #[test]
     fn a_current_that_nothing_explains_is_refused_if_the_residual_is_unusual() {
-        let balance = Balance { deviation: 1.0, ..crate::shaft::tests::balance() };
+        let balance = Balance { deviation: 1.0, ..crate::shaft::state::tests::balance() };
         let load = Some(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0 });
         let cause = |variance, explained, inverse_torque_constant| {
             let friction = Friction { variance, inverse_torque_constant, rows: 1_000_000, ..Friction::default() };

@@ -1,9 +1,8 @@
 //! The solve of the shaft's sums, in pieces: torque balance, then one order after the other.
 
-use super::balance_solve::BalanceSolve;
-use super::noise::NoiseLine;
-use super::slip::{OrderStrength, SlipRange, SlipSearch};
-use super::{ShaftConstants, ShaftEstimate, ShaftSums, Usage};
+use super::balance::BalanceSolve;
+use super::orders::{NoiseLine, OrderStrength, SlipRange, SlipSearch};
+use super::state::{ShaftConstants, ShaftEstimate, ShaftSums, Usage};
 use crate::plan::{Cells, Plan};
 use crate::reason::{Part, Reason};
 

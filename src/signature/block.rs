@@ -1,7 +1,7 @@
 //! What precedes a signature or an authentication code.
 
 use super::error::SignatureError;
-use super::model::{PublicKey, key_id};
+use super::key::{PublicKey, key_id};
 
 /// Number of bytes between a model and the signature.
 pub const HEAD: usize = 24;

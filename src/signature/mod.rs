@@ -67,10 +67,12 @@
 
 mod block;
 mod error;
+mod key;
 mod model;
 mod state;
 
 pub use block::{BLOCK, HEAD, head};
 pub use error::SignatureError;
-pub use model::{PublicKey, Signed, Trust, key_id};
+pub use key::{PublicKey, key_id};
+pub use model::{Signed, Trust};
 pub use state::{SEAL, Sealed, StateKey};

@@ -4,17 +4,8 @@ use ed25519_compact as ed25519;
 
 use super::block::{HEAD, Kind, SEAL_HEAD, SIGNATURE};
 use super::error::SignatureError;
+use super::key::{PublicKey, key_id};
 use crate::model::stored_len;
-
-/// A public key of Ed25519.
-pub type PublicKey = [u8; 32];
-
-/// The id of a key in a signature.
-#[must_use]
-pub fn key_id(key: &PublicKey) -> [u8; 8] {
-    let [id @ .., _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _] = *key;
-    id
-}
 
 /// Whose models are accepted, and from which counter on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The header of a record.
 
 use crate::checksum::crc32;
-use crate::sample::Label;
+use crate::signal::Label;
 
 /// Number of bytes of a header.
 pub(super) const HEADER: usize = 44;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::decide::{Alarm, Cause};
+use crate::alarm::{Alarm, Cause};
 use crate::reason::ReasonCode;
 use crate::report::Verdict;
 

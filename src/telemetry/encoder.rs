@@ -1,39 +1,14 @@
 //! Reports, blocks of samples and of raw samples → frames.
 
-use core::fmt;
-
+use super::hello::{self, Source};
 use super::raw::RawBlock;
 use super::samples::Block;
-use super::sink::Sink;
-use super::{HELLO, Header, RAW, REPORT, SAMPLES, VERSION, hello, summary};
-use crate::decide::Evidence;
+use super::sink::{Sink, TooSmall};
+use super::{HELLO, Header, RAW, REPORT, SAMPLES, VERSION, summary};
+use crate::alarm::Evidence;
 use crate::model::Model;
 use crate::plan::Plan;
 use crate::report::Report;
-
-/// Where frames come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Source {
-    /// Any number that identifies the model, for instance the checksum of its binary form (its last four bytes).
-    pub model_id: u32,
-    /// A number that changes with each power-up, such as a count of them or a random number. With equal numbers a
-    /// receiver sees a restart only by its hello.
-    pub session: u32,
-}
-
-/// The buffer is too small for the frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TooSmall;
-
-impl fmt::Display for TooSmall {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the buffer is too small for the frame")
-    }
-}
-
-impl core::error::Error for TooSmall {}
 
 /// Makes frames and counts them.
 #[derive(Clone, Debug, PartialEq)]

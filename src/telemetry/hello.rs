@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::samples::Numbers;
-use super::sink::Sink;
-use super::{Source, TooSmall, split};
+use super::sink::{Sink, TooSmall};
+use super::split;
 use crate::model::{Buffer, Feature, Model, Reader, Sampling, Writer};
 use crate::plan::{Cells, Plan};
 
@@ -25,6 +25,17 @@ struct Fields {
     healthy: Option<u8>,
     features: u8,
     orders: u8,
+}
+
+/// Where frames come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Source {
+    /// Any number that identifies the model, for instance the checksum of its binary form (its last four bytes).
+    pub model_id: u32,
+    /// A number that changes with each power-up, such as a count of them or a random number. With equal numbers a
+    /// receiver sees a restart only by its hello.
+    pub session: u32,
 }
 
 /// What the other frames of its stream mean.

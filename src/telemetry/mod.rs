@@ -89,11 +89,12 @@ mod summary;
 
 pub use counts::LinkCounts;
 pub use decoder::{Body, Decoder, Frame};
-pub use encoder::{Encoder, RawEncoder, Source, TooSmall};
-pub use hello::Hello;
+pub use encoder::{Encoder, RawEncoder};
+pub use hello::{Hello, Source};
 pub use raw::{RawBlock, RawRecorder};
 pub use recorder::Recorder;
 pub use samples::{Block, Numbers};
+pub use sink::TooSmall;
 pub use summary::Summary;
 
 use serde::{Deserialize, Serialize};

@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::filling::Filling;
 use super::samples::word;
-use super::sink::Sink;
-use super::{TooSmall, split};
-use crate::drive::{Angle, PhaseCounts, Position, RawSample};
+use super::sink::{Sink, TooSmall};
+use super::split;
+use crate::drive::{PhaseCounts, Position, RawSample};
+use crate::signal::Angle;
 
 /// Flags of a sample, in the upper half of its second word.
 const TWO_CURRENTS: u32 = 1 << 16;

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::sink::Sink;
-use super::{TooSmall, split};
-use crate::drive::Angle;
+use super::sink::{Sink, TooSmall};
+use super::split;
+use crate::signal::Angle;
 
 /// A list of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,11 +1,24 @@
 //! Where the bytes of a frame go: into its checksum, and without zeros into a buffer.
 
+use core::fmt;
+
 use cobs::CobsEncoder;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
 use postcard::ser_flavors::Flavor;
 use serde::Serialize;
 
-use super::TooSmall;
+/// The buffer is too small for the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TooSmall;
+
+impl fmt::Display for TooSmall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the buffer is too small for the frame")
+    }
+}
+
+impl core::error::Error for TooSmall {}
 
 /// With a table of 1 KiB: eight times as fast as bit by bit, and a recorder sends many bytes.
 static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);

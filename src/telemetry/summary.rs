@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use super::codes::{AlarmCode, VerdictCode};
 use super::samples::Numbers;
-use super::sink::Sink;
-use super::{TooSmall, split};
-use crate::decide::{Alarm, Evidence};
+use super::sink::{Sink, TooSmall};
+use super::split;
+use crate::alarm::{Alarm, Evidence};
 use crate::model::Model;
 use crate::plan::{Cells, Plan};
 use crate::report::{Report, Verdict};
-use crate::sample::{ChannelSet, Counts};
+use crate::signal::{ChannelSet, Counts};
 
 #[derive(Serialize, Deserialize)]
 struct Fields {

@@ -1,10 +1,10 @@
 use super::sink::Sink;
 use super::*;
-use crate::decide::Evidence;
-use crate::drive::Angle;
+use crate::alarm::Evidence;
 use crate::model::Model;
 use crate::plan::{Layout, Memory, Method, Plan, RunTime, RunTimeSample, ShaftLayout, Structure, testing};
 use crate::report::{Report, Verdict};
+use crate::signal::Angle;
 use crate::tests::{Drive, MODEL, report, samples};
 use std::vec::Vec;
 

@@ -1,6 +1,5 @@
-use bearing_watch::{
-    Detector, FrontEndError, Kernel, Monitor, PhaseCounts, RawSample, Segment, Verdict, known_answer_test,
-};
+use bearing_watch::drive::{FrontEndError, PhaseCounts, RawSample};
+use bearing_watch::{Detector, Kernel, Monitor, Segment, Verdict, known_answer_test};
 
 use super::model::{Drive, DriveFrontEnd, FRONT_END, MODEL, position};
 

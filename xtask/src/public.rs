@@ -9,11 +9,14 @@ use anyhow::{Context, Result};
 use crate::workspace;
 
 /// The files of the core that export names.
-const EXPORTING: [&str; 7] = [
+const EXPORTING: [&str; 10] = [
     "lib.rs",
+    "alarm/mod.rs",
     "drive/ad2s1210.rs",
+    "drive/mod.rs",
     "model/mod.rs",
     "plan/mod.rs",
+    "shaft/mod.rs",
     "signature/mod.rs",
     "storage/mod.rs",
     "telemetry/mod.rs",

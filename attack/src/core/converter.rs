@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use bearing_watch::ad2s1210::{Ad2s1210, Pins, Resolution, Settings, Thresholds};
+use bearing_watch::drive::ad2s1210::{Ad2s1210, Pins, Resolution, Settings, Thresholds};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};

@@ -1,11 +1,11 @@
 //! Raw samples and counts of any bits, in any order of calls: clean samples are finite or missing, and the front end
 //! recovers once its input is good.
 
-use bearing_watch::{
-    Angle, BalanceLimits, By, CalibrationLimits, Factor, FrontEnd, FrontEndConstants, Lock, OffsetCalibration, Park,
-    PhaseCounts, PhaseSensor, Position, RawSample, ResolverLimits, RotorFrame, TrackingConstants, WiringCheck,
-    WiringLimits,
+use bearing_watch::drive::{
+    BalanceLimits, By, CalibrationLimits, Factor, FrontEnd, FrontEndConstants, Lock, OffsetCalibration, PhaseCounts,
+    PhaseSensor, Position, RawSample, ResolverLimits, RotorFrame, TrackingConstants, WiringCheck, WiringLimits,
 };
+use bearing_watch::{Angle, Park};
 
 use crate::input::Input;
 use crate::memory;

@@ -2,8 +2,9 @@
 
 use std::sync::LazyLock;
 
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::telemetry::{Body, Decoder, Encoder, Frame, RawRecorder, Recorder, Source};
-use bearing_watch::{Angle, Detector, PhaseCounts, Position, RawSample};
+use bearing_watch::{Angle, Detector};
 
 use crate::checksum;
 use crate::input::Input;

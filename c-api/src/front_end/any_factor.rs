@@ -1,9 +1,9 @@
 //! A front end for every factor of decimation, in the library without one of its plan.
 
-use bearing_watch::{CleanSample, Faults, FrontEnd, FrontEndConstants, RawSample, WiringCheck};
+use bearing_watch::drive::{CleanSample, Faults, FrontEnd, FrontEndConstants, RawSample, WiringCheck};
 
-use super::BW_MAX_FURTHER;
 use crate::code::{BwCode, Outcome};
+use crate::plan::BW_MAX_FURTHER;
 
 /// Number of channels that pass the filters; those that are not in use are zero.
 pub(crate) const FURTHER: usize = BW_MAX_FURTHER;

@@ -1,7 +1,8 @@
 //! The constants of a front end.
 
-use bearing_watch::{
-    Angle, BalanceLimits, FrontEndConstants, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
+use bearing_watch::Angle;
+use bearing_watch::drive::{
+    BalanceLimits, FrontEndConstants, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
 };
 
 use crate::about::park;

@@ -1,6 +1,6 @@
 //! What a front end has refused.
 
-use bearing_watch::{Faults, Imbalance, Lock, Phase};
+use bearing_watch::drive::{Faults, Imbalance, Lock, Phase};
 
 use super::BwFrontEnd;
 use crate::code::{BwCode, code};

@@ -31,9 +31,6 @@ use crate::wiring::BwWiringCheck;
 use constants::BwFrontEndConstants;
 use sample::{BwCleanSample, BwRawSample, read};
 
-/// Largest number of further channels: as many as the largest model of `BW_MAX_CHANNELS` has besides current and
-/// velocity.
-pub const BW_MAX_FURTHER: usize = 6;
 /// Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
 /// `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_FRONT_END_SIZE: usize = 3072;

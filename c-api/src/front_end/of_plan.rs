@@ -1,9 +1,9 @@
 //! The front end of the library's plan.
 
-use bearing_watch::FrontEndConstants;
+use bearing_watch::drive::FrontEndConstants;
 
-use super::BW_MAX_FURTHER;
 use crate::code::{BwCode, Outcome};
+use crate::plan::BW_MAX_FURTHER;
 pub(super) use crate::plan::DriveFrontEnd as Chain;
 pub(crate) use crate::plan::FURTHER;
 

@@ -1,10 +1,12 @@
 //! What enters a front end, and what leaves it.
 
-use bearing_watch::{Angle, CleanSample, PhaseCounts, Position, RawSample};
+use bearing_watch::Angle;
+use bearing_watch::drive::{CleanSample, PhaseCounts, Position, RawSample};
 
-use super::{BW_MAX_FURTHER, FURTHER};
+use super::FURTHER;
 use crate::code::{BwCode, Outcome};
 use crate::memory::{elements, get};
+use crate::plan::BW_MAX_FURTHER;
 
 /// What a raw sample has of the position sensor.
 #[repr(i32)]

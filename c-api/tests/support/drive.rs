@@ -1,9 +1,10 @@
 //! A simulated drive: its front end, and what it reads.
 
-use bearing_watch::{
-    Angle, BalanceLimits, FrontEndConstants, Park, PhaseCounts, PhaseSensor, Position, RawSample, ResolverLimits,
-    RotorFrame, TrackingConstants,
+use bearing_watch::drive::{
+    BalanceLimits, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample, ResolverLimits, RotorFrame,
+    TrackingConstants,
 };
+use bearing_watch::{Angle, Park};
 use bearing_watch_c::{BwFrontEndConstants, BwPark, BwPhaseSensor, BwPosition, BwRawSample};
 
 pub const RATE_HZ: f32 = 10_000.0;

@@ -186,31 +186,31 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
 
 /// The front end that the recordings passed. Its further channels, in this order:
 /// `load_torque_nm`, `velocity_ref_rad_s`.
-pub type DriveFrontEnd = bearing_watch::FrontEnd<FURTHER, 10>;
+pub type DriveFrontEnd = bearing_watch::drive::FrontEnd<FURTHER, 10>;
 
 /// Number of its further channels.
 pub const FURTHER: usize = 2;
 
-/// The constants of this front end; `bearing_watch::OffsetCalibration` measures the offsets of a drive.
+/// The constants of this front end; `drive::OffsetCalibration` measures the offsets of a drive.
 #[rustfmt::skip]
-pub const FRONT_END: bearing_watch::FrontEndConstants = bearing_watch::FrontEndConstants {
+pub const FRONT_END: bearing_watch::drive::FrontEndConstants = bearing_watch::drive::FrontEndConstants {
     control_rate_hz: 10000.0,
     sensors: [
-        bearing_watch::PhaseSensor { offset_counts: 2048.0, gain_a: 0.025, usable: [16, 4079] },
-        bearing_watch::PhaseSensor { offset_counts: 2048.0, gain_a: 0.025, usable: [16, 4079] },
-        bearing_watch::PhaseSensor { offset_counts: 2048.0, gain_a: 0.025, usable: [16, 4079] },
+        bearing_watch::drive::PhaseSensor { offset_counts: 2048.0, gain_a: 0.025, usable: [16, 4079] },
+        bearing_watch::drive::PhaseSensor { offset_counts: 2048.0, gain_a: 0.025, usable: [16, 4079] },
+        bearing_watch::drive::PhaseSensor { offset_counts: 2048.0, gain_a: 0.025, usable: [16, 4079] },
     ],
     stuck_samples: 0,
-    balance: bearing_watch::BalanceLimits { noise_a: 0.78, gain_tolerance: 0.02, window: 400 },
-    tracking: bearing_watch::TrackingConstants {
+    balance: bearing_watch::drive::BalanceLimits { noise_a: 0.78, gain_tolerance: 0.02, window: 400 },
+    tracking: bearing_watch::drive::TrackingConstants {
         bandwidth_hz: 300.0,
         damping: 0.7,
         error_limit_rad: 0.1,
         lost_samples: 20,
         settle_samples: 20,
-        resolver: bearing_watch::ResolverLimits { low: 0.5, high: 1.5, mismatch: 0.1 },
+        resolver: bearing_watch::drive::ResolverLimits { low: 0.5, high: 1.5, mismatch: 0.1 },
     },
-    frame: bearing_watch::RotorFrame {
+    frame: bearing_watch::drive::RotorFrame {
         pole_pairs: 6,
         electrical_offset: bearing_watch::Angle::from_bits(0),
         park: bearing_watch::Park::Standard,
@@ -219,13 +219,13 @@ pub const FRONT_END: bearing_watch::FrontEndConstants = bearing_watch::FrontEndC
 
 /// The reading of the position sensor.
 #[must_use]
-pub const fn position(counts: u32) -> bearing_watch::Position {
-    bearing_watch::Position::Absolute(bearing_watch::Angle::from_counts(counts, 14))
+pub const fn position(counts: u32) -> bearing_watch::drive::Position {
+    bearing_watch::drive::Position::Absolute(bearing_watch::Angle::from_counts(counts, 14))
 }
 
 #[rustfmt::skip]
-impl From<bearing_watch::CleanSample<FURTHER>> for Sample {
-    fn from(clean: bearing_watch::CleanSample<FURTHER>) -> Self {
+impl From<bearing_watch::drive::CleanSample<FURTHER>> for Sample {
+    fn from(clean: bearing_watch::drive::CleanSample<FURTHER>) -> Self {
         let [load_torque_nm, velocity_ref_rad_s] = clean.further;
         Self { current_a: clean.current_a, velocity_rad_s: clean.velocity_rad_s, load_torque_nm, velocity_ref_rad_s, angle: clean.angle }
     }

@@ -2,8 +2,8 @@
 
 use std::cell::Cell;
 
-use bearing_watch::Position;
-use bearing_watch::ad2s1210::{Ad2s1210, Error, Faults, Pins, Resolution, Settings, Thresholds};
+use bearing_watch::drive::Position;
+use bearing_watch::drive::ad2s1210::{Ad2s1210, Error, Faults, Pins, Resolution, Settings, Thresholds};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};

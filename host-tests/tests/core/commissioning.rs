@@ -1,7 +1,8 @@
 //! A healthy class learned on the drive, from samples to a model in its binary form.
 
+use bearing_watch::alarm::{CommissioningError, StateError};
 use bearing_watch::model::{CommissioningConstants, EvidenceConstants};
-use bearing_watch::{CommissioningError, Detector, Model, Reason, Report, StateError, Verdict};
+use bearing_watch::{Detector, Model, Reason, Report, Verdict};
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -1,8 +1,9 @@
 //! Averages of channels and covariates through the whole core, against double precision.
 
 use bearing_watch::model::{Covariate, Covariates, Feature, Field, notes};
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Layout, LayoutError, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample};
-use bearing_watch::{Detector, Model, ModelError, Reason, Report, Structure};
+use bearing_watch::{Detector, Model, ModelError, Reason, Report};
 use host_tests::plans::constants;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt as _, SeedableRng};

@@ -4,10 +4,10 @@
 //! ρ is the numerical error in units of the estimate's own standard deviation, √(Δᵀ cov⁻¹ Δ / n). The raw regressors
 //! of these cases have condition numbers from 1.8e3 to 2.6e6.
 
-use bearing_watch::Structure;
 use bearing_watch::internals::{Inputs, Rows, Triangle};
 use bearing_watch::model::Forgetting;
 use bearing_watch::plan::Plan;
+use bearing_watch::plan::Structure;
 use host_tests::oracle::{self, Record};
 use host_tests::plans::Setup;
 use host_tests::plants::{Mode, PLANTS, Plant};

@@ -1,7 +1,8 @@
 //! Faults of the drive's electronics, injected into the raw counts of the drive of the examples.
 
-use bearing_watch::{
-    Angle, BalanceLimits, Faults, FrontEndConstants, Imbalance, Phase, PhaseCounts, Position, RawSample,
+use bearing_watch::Angle;
+use bearing_watch::drive::{
+    BalanceLimits, Faults, FrontEndConstants, Imbalance, Phase, PhaseCounts, Position, RawSample,
 };
 use rig::ema::{EmaScenario, EmaTrace, simulate};
 

@@ -3,8 +3,9 @@
 
 use bearing_watch::internals::Inputs;
 use bearing_watch::model::Forgetting;
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Memory, Method};
-use bearing_watch::{Part, Reason, Structure};
+use bearing_watch::{Part, Reason};
 use host_tests::plans::{Setup, Stream};
 use host_tests::streams::outcome;
 use rand::{RngExt, SeedableRng};

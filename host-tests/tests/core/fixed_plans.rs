@@ -1,10 +1,11 @@
 //! A plan that is fixed when compiling and the same layout at run time give the same bits.
 
 use bearing_watch::model::{Feature, Lags, ShaftConstants};
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{
     Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Signals,
 };
-use bearing_watch::{Detector, FrictionTerm, Model, ModelError, Report, Structure};
+use bearing_watch::{Detector, FrictionTerm, Model, ModelError, Report};
 use host_tests::plans::constants;
 use host_tests::plants::PLANTS;
 use rig::DefectKind;

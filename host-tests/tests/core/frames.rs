@@ -1,6 +1,7 @@
 //! Clarke and Park of the core against what a real drive computed from the same currents.
 
-use bearing_watch::{AlphaBeta, Angle, Park};
+use bearing_watch::drive::AlphaBeta;
+use bearing_watch::{Angle, Park};
 use host_tests::{data, table};
 use std::f64::consts::{PI, TAU};
 
@@ -61,7 +62,7 @@ fn magnitudes_and_angle_of_a_recorded_drive() {
 
 #[test]
 fn turning_the_phases_by_one_turns_the_angle_by_a_third() {
-    use bearing_watch::Abc;
+    use bearing_watch::drive::Abc;
     for k in 0..100_u32 {
         let angle = Angle::from_bits(k.wrapping_mul(0x0123_4567));
         let (a, b, c) = (1.5, -2.25, 0.5);

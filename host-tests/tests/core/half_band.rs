@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
+use bearing_watch::drive::{FirDecimator, HalfBandDecimator, HalfBandTaps};
 use model::trace::{half_band, prepare};
 
 const RATE_HZ: f64 = 20_000.0;

@@ -1,7 +1,8 @@
 //! Faults of the drive's electronics, alone and in pairs, in the raw counts of a healthy actuator: front end, detector
 //! and alarm of the drive's example behind them.
 
-use bearing_watch::{Detector, FrontEnd, FrontEndConstants, Implausible, Reason, Report, Verdict};
+use bearing_watch::drive::{FrontEnd, FrontEndConstants};
+use bearing_watch::{Detector, Implausible, Reason, Report, Verdict};
 use rig::ema::EmaTrace;
 
 use super::drive_faults::actuator::{Drive, FURTHER, MODEL};

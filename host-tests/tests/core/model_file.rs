@@ -1,8 +1,9 @@
 //! The binary model: what is written is read back, and nothing altered passes.
 
+use bearing_watch::drive::RotorFrame;
 use bearing_watch::model::{Field, layout, notes, stored_len};
 use bearing_watch::plan::{Plan, RunTime, RunTimeSample};
-use bearing_watch::{Angle, Detector, Model, ModelError, Park, RotorFrame};
+use bearing_watch::{Angle, Detector, Model, ModelError, Park};
 use proptest::prelude::*;
 
 use crate::exported::{Drive, MODEL, Sample};

@@ -1,8 +1,9 @@
 //! Constants out of range: each is refused, by its name, when a model is made.
 
 use bearing_watch::model::{Constants, Departure, EvidenceConstants, Feature, Field, Forgetting, Label, Novelty};
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Layout, LayoutError, Memory, Method, Plan, RegressionLayout, RunTime};
-use bearing_watch::{Model, ModelError, Structure};
+use bearing_watch::{Model, ModelError};
 use host_tests::plans::{constants, layout};
 
 use crate::exported::{Drive, MODEL};

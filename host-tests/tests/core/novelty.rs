@@ -1,8 +1,9 @@
 //! Novelty gate and evidence in the core's arithmetic: set false-alarm rates, alarms and trends.
 
 use bearing_watch::model::{EvidenceConstants, Feature, KNOTS, Novelty};
+use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Layout, Memory, Method, Plan, RunTime};
-use bearing_watch::{Cause, Evidence, Model, Structure};
+use bearing_watch::{Cause, Evidence, Model};
 use host_tests::plans::{constants, layout};
 use model::train::FeatureTable;
 use model::train::novelty::baseline::exact;

@@ -1,7 +1,8 @@
 //! The firmware code of README.md and that of the book, compiled as they stand there and run on recordings of the
 //! simulated actuator.
 
-use bearing_watch::{Detector, Monitor, PhaseCounts, RawSample};
+use bearing_watch::drive::{PhaseCounts, RawSample};
+use bearing_watch::{Detector, Monitor};
 use rig::ema::{EmaCondition, EmaDefect, EmaScenario, EmaTrace, Race, simulate};
 use rig::{DefectKind, trace_seed};
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::FirDecimator;
+use bearing_watch::drive::FirDecimator;
 use model::trace::prepare::anti_alias;
 use model::trace::{Preparation, Trace};
 

@@ -4,7 +4,8 @@ use bearing_watch::model::{
     Balance, Blocks, Feature, Lags, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking, q16,
 };
 use bearing_watch::plan::{Array, Cells, Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
-use bearing_watch::{Angle, Detector, Friction, FrictionTerm, Model, Parameter, Report};
+use bearing_watch::shaft::{Friction, Parameter};
+use bearing_watch::{Angle, Detector, FrictionTerm, Model, Report};
 use host_tests::plans::constants;
 use rig::{BearingGeometry, Defect, DefectKind, RigTrace, Scenario, simulate};
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use bearing_watch::FrontEnd;
+use bearing_watch::drive::FrontEnd;
 
 use super::drive_faults::actuator::{FURTHER, MODEL};
 use super::drive_faults::{FAULTS, constants, raw, trace};

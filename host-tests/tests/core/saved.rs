@@ -1,8 +1,9 @@
 //! The saved state of alarm and baseline: it continues as if power had not failed, and nothing altered passes.
 
+use bearing_watch::alarm::{Baseline, SilenceLimits, StateError};
 use bearing_watch::model::{BaselineConstants, EvidenceConstants, Novelty};
 use bearing_watch::plan::Plan;
-use bearing_watch::{Alarm, Baseline, Decision, Evidence, Model, Reason, SilenceLimits, StateError};
+use bearing_watch::{Alarm, Decision, Evidence, Model, Reason};
 
 use crate::exported::{Drive, MODEL};
 

@@ -2,7 +2,8 @@
 
 use bearing_watch::model::Lags;
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{Bearing, FrictionTerm, Model, ShaftEstimate};
+use bearing_watch::shaft::{Bearing, ShaftEstimate};
+use bearing_watch::{FrictionTerm, Model};
 use rig::field::{Field, FieldValues, Slip};
 use rig::{BearingGeometry, Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 

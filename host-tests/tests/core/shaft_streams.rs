@@ -2,7 +2,8 @@
 
 use bearing_watch::model::{Channel, Constants, Feature, Field, KNOTS, Lags, Novelty, ShaftConstants, TrackedOrder};
 use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, ShaftLayout};
-use bearing_watch::{Angle, Detector, Friction, Model, ModelError, Part, Reason, Report, ShaftEstimate};
+use bearing_watch::shaft::{Friction, ShaftEstimate};
+use bearing_watch::{Angle, Detector, Model, ModelError, Part, Reason, Report};
 use proptest::prelude::*;
 use rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 

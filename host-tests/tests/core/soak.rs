@@ -6,7 +6,8 @@
 //! missed between them. A segment is *undisturbed* if neither it nor the one before it met a fault or an end of a
 //! record.
 
-use bearing_watch::{Detector, Evidence, FrictionTerm, FrontEnd, FrontEndConstants, Lock, Report, Solver, Verdict};
+use bearing_watch::drive::{FrontEnd, FrontEndConstants, Lock};
+use bearing_watch::{Detector, Evidence, FrictionTerm, Report, Solver, Verdict};
 
 use super::drive_faults::actuator::{Drive, FURTHER, MODEL, Sample};
 use super::drive_faults::{FAULTS, Inject, ROWS, Raw, ZERO, constants, counts, raw, scattered, trace};

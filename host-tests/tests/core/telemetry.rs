@@ -15,12 +15,13 @@ mod shaft;
 
 use crate::exported::MODEL;
 use crate::standard_rig;
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::model::Feature;
 use bearing_watch::plan::Signals;
 use bearing_watch::telemetry::{
     Body, Decoder, Encoder, LinkCounts, RawEncoder, RawRecorder, Recorder, Source, TooSmall,
 };
-use bearing_watch::{Angle, Detector, PhaseCounts, Position, RawSample, Verdict};
+use bearing_watch::{Angle, Detector, Verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -3,10 +3,11 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::{
-    Angle, BalanceLimits, FrontEnd, FrontEndConstants, Park, PhaseCounts, PhaseSensor, Position, RawSample,
-    ResolverLimits, RotorFrame, TrackingConstants, Wiring, WiringCheck, WiringFault, WiringLimits,
+use bearing_watch::drive::{
+    BalanceLimits, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample, ResolverLimits,
+    RotorFrame, TrackingConstants, Wiring, WiringCheck, WiringFault, WiringLimits,
 };
+use bearing_watch::{Angle, Park};
 use rig::ema::{EmaScenario, EmaTrace, Logging, simulate};
 
 /// Control rate of the actuator.

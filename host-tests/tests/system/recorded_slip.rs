@@ -12,7 +12,8 @@ use std::f64::consts::TAU;
 
 use bearing_watch::model::{Balance, Feature, Lags, ShaftConstants, StateVariable};
 use bearing_watch::plan::{Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
-use bearing_watch::{Angle, Detector, FrictionTerm, Model, OrderStrength};
+use bearing_watch::shaft::OrderStrength;
+use bearing_watch::{Angle, Detector, FrictionTerm, Model};
 use host_tests::documents;
 use host_tests::plans::constants;
 use host_tests::{columns, data};

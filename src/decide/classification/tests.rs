@@ -4,8 +4,8 @@ use std::vec;
 
 use super::*;
 use crate::decide::{Covariate, Covariates, Discriminant, Feature, Novelty, Projection};
-use crate::estimate::Estimate;
 use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
+use crate::regression::estimate::Estimate;
 
 fn plan() -> RunTime {
     let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);

@@ -1,6 +1,6 @@
 use super::super::tests::{gated, segment};
 use super::{Conclusion, Monitor};
-use crate::decide::{Cause, Evidence};
+use crate::alarm::evidence::{Cause, Evidence};
 use crate::detector::{Detector, Segment};
 use crate::model::{BaselineConstants, Model};
 use crate::reason::Reason;

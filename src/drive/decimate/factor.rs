@@ -159,8 +159,8 @@ macro_rules! compound {
 compound!(BY_3, 23, 3, 8);
 compound!(BY_5, 35, 5, 7);
 
-/// A number of samples that a [`FrontEnd`](crate::FrontEnd) makes one: the type of the numbers for which there are
-/// filters, as [`Factor`].
+/// A number of samples that a [`FrontEnd`](crate::drive::FrontEnd) makes one: the type of the numbers for which there
+/// are filters, as [`Factor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct By<const FACTOR: usize>;

@@ -20,7 +20,7 @@ use crate::unroll::unrolled;
 /// ```
 /// // Binomial low-pass, decimation by two; workbench::trace::prepare::anti_alias designs sharper ones.
 /// const TAPS: [f32; 3] = [0.25, 0.5, 0.25];
-/// let mut fir = bearing_watch::FirDecimator::<1, 3, 2, 2>::new();
+/// let mut fir = bearing_watch::drive::FirDecimator::<1, 3, 2, 2>::new();
 /// let out = [1.0, 2.0, 3.0, 4.0].map(|x| fir.push(&TAPS, [x]));
 /// assert_eq!(out, [None, None, None, Some([3.0])]); // a ramp, one sample late
 /// ```

@@ -76,7 +76,7 @@ impl HalfBandTaps<4, 4> {
 /// The first output is returned when every tap has been multiplied by a sample.
 ///
 /// ```
-/// use bearing_watch::{HalfBandDecimator, HalfBandTaps};
+/// use bearing_watch::drive::{HalfBandDecimator, HalfBandTaps};
 /// // 20 kHz → 2.5 kHz: two early stages and the last.
 /// let mut decimator = HalfBandDecimator::<1, 2, 4, 13>::new();
 /// let outputs = (0..800).filter_map(|n| decimator.push(&HalfBandTaps::SHARP, [n as f32]));

@@ -4,15 +4,15 @@
 //!
 //! | decimator | factor | gain of aliased components | work of a sample |
 //! |---|---|---|---|
-//! | [`BlockMean`] | any | −13 dB and less | additions; one sample of a block divides |
+//! | [`BlockMean`](super::BlockMean) | any | −13 dB and less | additions; one sample of a block divides |
 //! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | 2K₁ + 1 or at most K₂ + 1 multiply-adds a channel |
 //! | [`FirDecimator`] | any | depends on its taps | at most `TAPS`/`FACTOR`, rounded up, a channel |
 //!
 //! All are causal with a constant delay and do not output the start-up transient. [`By`] names the chain of a factor
-//! that [`FrontEnd`](crate::FrontEnd) uses. With a long filter of one's own, an odd factor can be the last:
+//! that [`FrontEnd`](super::FrontEnd) uses. With a long filter of one's own, an odd factor can be the last:
 //!
 //! ```
-//! use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
+//! use bearing_watch::drive::{FirDecimator, HalfBandDecimator, HalfBandTaps};
 //! // 20 kHz → 5 kHz → 1 kHz. The taps of 1/5 stand for a low-pass from `workbench::trace::prepare::anti_alias(5)`.
 //! let mut by_4 = HalfBandDecimator::<3, 1, 4, 4>::new();
 //! let mut by_5 = FirDecimator::<3, 5, 5, 1>::new();
@@ -24,13 +24,11 @@
 //! `cargo xtask firmware measure_decimate` prints the instructions of a sample, mean and worst, of both filters for the
 //! same bands.
 
-pub mod block_mean;
-pub mod factor;
-pub mod fir;
-pub mod half_band;
+mod factor;
+mod fir;
+mod half_band;
 mod stage;
 
-pub use block_mean::BlockMean;
 pub use factor::{By, Decimate, Factor};
 pub use fir::FirDecimator;
 pub use half_band::{HalfBandDecimator, HalfBandTaps};

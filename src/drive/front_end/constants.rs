@@ -11,7 +11,7 @@ pub struct FrontEndConstants {
     /// Rate of the raw samples, Hz: 100 … 10⁶.
     pub control_rate_hz: f32,
     /// Current sensors of phases a, b, c, with offsets from an
-    /// [`OffsetCalibration`](crate::OffsetCalibration); with two sensors the third is not used.
+    /// [`OffsetCalibration`](crate::drive::OffsetCalibration); with two sensors the third is not used.
     pub sensors: [PhaseSensor; 3],
     /// Equal counts in a row that mean a stuck converter; 0 if a quiet converter may repeat itself for ever.
     pub stuck_samples: u16,

@@ -3,7 +3,7 @@
 //! An output needs the angle of one sample only, the centre of its taps. Of every F samples the one at that place is
 //! kept, so a delay of D samples takes D/F cells.
 
-use crate::drive::Angle;
+use crate::signal::Angle;
 
 /// The delay of every chain of filters is below 16.5 outputs; one more cell holds the newest angle.
 pub(super) const CELLS: u8 = 17;

@@ -35,11 +35,12 @@ mod delay;
 
 pub use constants::{FrontEndConstants, FrontEndError};
 
-use crate::drive::angle::RAD;
+use super::decimate::Decimate;
 use crate::drive::{
-    Angle, By, CurrentBalance, CurrentSensors, Decimate, Factor, Imbalance, Lock, PhaseCounts, PhaseFaults, Position,
-    PositionFaults, PositionTracker, RotorFrame, Tracked, WiringCheck,
+    By, CurrentBalance, CurrentSensors, Factor, Imbalance, Lock, PhaseCounts, PhaseFaults, Position, PositionFaults,
+    PositionTracker, RotorFrame, Tracked, WiringCheck,
 };
+use crate::signal::{Angle, RAD};
 use delay::{CELLS, Centres};
 
 /// The filters of one or more channels.
@@ -133,6 +134,7 @@ impl<const FURTHER: usize> Held<FURTHER> {
 ///
 /// ```
 /// # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
+/// use bearing_watch::drive::*;
 /// use bearing_watch::*;
 /// use model::{MODEL, Sample};
 ///

@@ -6,7 +6,8 @@ use core::f64::consts::TAU as TURN;
 use std::vec::Vec;
 
 use super::*;
-use crate::drive::{BalanceLimits, Park, Phase, PhaseSensor, ResolverLimits, TrackingConstants};
+use crate::drive::{BalanceLimits, Phase, PhaseSensor, ResolverLimits, TrackingConstants};
+use crate::signal::Park;
 
 const RATE_HZ: f64 = 10_000.0;
 /// 16 bits, 1 mA.

@@ -5,7 +5,8 @@
 use core::f64::consts::TAU as TURN;
 
 use super::*;
-use crate::drive::{AlphaBeta, Park, RotorFrame};
+use crate::drive::RotorFrame;
+use crate::signal::{AlphaBeta, Park};
 
 const RATE_HZ: f64 = 10_000.0;
 const RESOLVER: ResolverLimits = ResolverLimits { low: 0.7, high: 1.3, mismatch: 0.1 };

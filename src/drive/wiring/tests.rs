@@ -1,5 +1,5 @@
 use super::*;
-use crate::drive::Park;
+use crate::signal::Park;
 
 const RATE_HZ: f32 = 10_000.0;
 const LIMITS: WiringLimits =

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use bearing_watch::FrictionTerm;
+use bearing_watch::alarm::{Baseline, Trend};
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Baseline, FrictionTerm, Trend};
 use serde_json::json;
 
 use super::jobs::Recordings;

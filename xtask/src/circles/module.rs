@@ -22,18 +22,18 @@ impl Module {
             // Not a text that begins so.
             let tree = line.split_once("use ").filter(|(_, tree)| tree.contains("::"));
             let (before, tree) = tree.unwrap_or((".", ""));
-            if line.starts_with("#[cfg(") && line.contains("test") {
+            if line.starts_with("#[cfg(test)]") {
                 // Tests stand last in a file; only tests use those in a file of their own.
                 if lines.next().is_some_and(|line| line.contains("mod ") && line.ends_with('{')) {
                     break;
                 }
-            } else if before.trim().is_empty() || before.starts_with("pub") {
+            } else if before.trim().is_empty() || before.trim_start().starts_with("pub") {
                 let mut tree = tree.to_owned();
                 while !tree.contains(';') {
                     tree += lines.next().unwrap_or(";");
                 }
                 let tree = tree.replace(" as _", "").replace(" as ", "@").replace([' ', ';'], "");
-                own.bring(&tree, before.starts_with("pub"));
+                own.bring(&tree, before.trim_start().starts_with("pub"));
             } else if !line.contains("mod ") {
                 let paths = line.split(|own: char| !own.is_ascii_alphanumeric() && !"_:".contains(own));
                 own.paths.extend(paths.map(|path| path.trim_matches(':').to_owned()));

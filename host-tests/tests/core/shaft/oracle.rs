@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::orders::{Expected as Order, Path, expected as expected_orders};
 use crate::rig::Motion;
 
-/// What the core's [`bearing_watch::ShaftEstimate`] should say.
+/// What the core's [`bearing_watch::shaft::ShaftEstimate`] should say.
 #[derive(Debug)]
 pub struct Expected {
     /// Values and deviations of p₀ … p₆ without those of a load that is not measured, then of the drag.

@@ -22,7 +22,7 @@ pub struct Path {
     pub excitation: Vec<f64>,
 }
 
-/// What the core's [`bearing_watch::OrderStrength`] should say.
+/// What the core's [`bearing_watch::shaft::OrderStrength`] should say.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Expected {
     pub prominence: f64,

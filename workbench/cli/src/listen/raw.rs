@@ -1,7 +1,7 @@
 //! The columns of raw samples, as `--front-end` of `train` reads them.
 
+use bearing_watch::drive::{PhaseCounts, Position};
 use bearing_watch::telemetry::RawBlock;
-use bearing_watch::{PhaseCounts, Position};
 
 /// Names of the phases' columns.
 const PHASES: [&str; 3] = ["phase_a_counts", "phase_b_counts", "phase_c_counts"];

@@ -27,9 +27,9 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
     succeed(dir, &format!("{train} --model m.bwm --rust m.rs --c m.h"));
     let source = text(&dir.join("m.rs"));
     for words in [
-        "pub type DriveFrontEnd = bearing_watch::FrontEnd<FURTHER, 4>;",
+        "pub type DriveFrontEnd = bearing_watch::drive::FrontEnd<FURTHER, 4>;",
         "pub const FURTHER: usize = 2;",
-        "pub const FRONT_END: bearing_watch::FrontEndConstants",
+        "pub const FRONT_END: bearing_watch::drive::FrontEndConstants",
         "pub const fn position(counts: u32)",
         "let [load_torque_nm, velocity_ref_rad_s] = clean.further;",
         "Feed every sample of the front end",

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use bearing_watch::Angle;
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::telemetry::{RawEncoder, RawRecorder, Source};
-use bearing_watch::{Angle, PhaseCounts, Position, RawSample};
 
 use crate::common::{refuse, succeed};
 

@@ -1,8 +1,9 @@
 //! Runs a model of any layout over traces with the core's [`Detector`], the code that firmware runs.
 
+use bearing_watch::alarm::Baseline;
 use bearing_watch::model::{BaselineConstants, EvidenceConstants, Feature, Sampling, ShaftConstants};
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{Baseline, Detector, Model, ModelError, Reason, Report, Verdict};
+use bearing_watch::{Detector, Model, ModelError, Reason, Report, Verdict};
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};

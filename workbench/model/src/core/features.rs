@@ -8,9 +8,10 @@
 //! the shaft follow and are the same in both: the parameters of the torque balance, their scores, their logarithms, its
 //! residual, and two numbers per order. Averages of channels come last. Parameters and logarithms have errors of known variance.
 
+use bearing_watch::FrictionTerm;
 use bearing_watch::model::{Balance, Feature, FeatureValue};
 use bearing_watch::plan::RunTime;
-use bearing_watch::{FrictionTerm, ShaftEstimate};
+use bearing_watch::shaft::ShaftEstimate;
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;

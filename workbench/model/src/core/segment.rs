@@ -2,7 +2,8 @@
 
 use bearing_watch::internals::Finding as CoreFinding;
 use bearing_watch::model::{Feature, FeatureValue};
-use bearing_watch::{Average, Counts, Friction, OrderStrength, Reason, Verdict};
+use bearing_watch::shaft::{Friction, OrderStrength};
+use bearing_watch::{Average, Counts, Reason, Verdict};
 
 /// One segment of a trace: verdict, estimates and counts.
 #[derive(Clone, Debug, PartialEq)]

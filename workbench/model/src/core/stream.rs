@@ -1,7 +1,8 @@
 //! Traces through the detector, whole or in pieces.
 
+use bearing_watch::alarm::Baseline;
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Baseline, Detector, Report};
+use bearing_watch::{Detector, Report};
 
 use super::embedded::Embedded;
 use super::segment::SegmentReport;

@@ -1,7 +1,8 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
+use bearing_watch::alarm::{Baseline, Silence, StateError, Trend};
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Alarm, Baseline, Cause, Decision, Evidence, Model, Silence, StateError, Trend};
+use bearing_watch::{Alarm, Cause, Decision, Evidence, Model};
 
 use super::segment::SegmentReport;
 

@@ -31,7 +31,7 @@ mod terms;
 
 use crate::Error;
 use crate::trace::Trace;
-pub use bearing_watch::Structure;
+pub use bearing_watch::plan::Structure;
 
 pub use armax::armax;
 pub use external::external_instruments;

@@ -1,6 +1,6 @@
 //! Traces from which no parameters follow: too short, constant, or not excited.
 
-use bearing_watch::Structure;
+use bearing_watch::plan::Structure;
 
 use super::terms::Terms;
 use crate::Error;

@@ -1,6 +1,6 @@
 //! Names, polynomials and text form of a model structure.
 
-use bearing_watch::Structure;
+use bearing_watch::plan::Structure;
 
 /// Names and polynomials of a model structure.
 pub trait Terms {

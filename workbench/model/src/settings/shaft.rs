@@ -85,7 +85,7 @@ impl Bearing {
         let mut orders = match self.bearing[..] {
             [] => vec![],
             [balls, ball, pitch, contact] if (1.0..=255.0).contains(&balls) && 0.0 < ball && ball < pitch => {
-                let bearing = bearing_watch::Bearing {
+                let bearing = bearing_watch::shaft::Bearing {
                     balls: balls.round() as u8,
                     ball_diameter: ball as f32,
                     pitch_diameter: pitch as f32,

@@ -1,4 +1,4 @@
-//! Coefficients of half-band filters for [`bearing_watch::HalfBandDecimator`].
+//! Coefficients of half-band filters for [`bearing_watch::drive::HalfBandDecimator`].
 
 use nalgebra::{DMatrix, DVector};
 

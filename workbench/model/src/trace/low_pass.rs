@@ -1,4 +1,4 @@
-//! Coefficients of short low-pass filters for [`bearing_watch::FirDecimator`] before half-band filters.
+//! Coefficients of short low-pass filters for [`bearing_watch::drive::FirDecimator`] before half-band filters.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -138,7 +138,7 @@ pub fn resample(times_s: &[f64], values: &[f64], rate_hz: f64) -> Result<Vec<f64
 
 /// Kaiser-windowed sinc: pass band to 0.8 of the new Nyquist frequency, attenuation of at least 60 dB from that
 /// frequency. About 43 taps per unit of `factor`, symmetric, with sum one; converted to single precision they are the
-/// coefficients of [`bearing_watch::FirDecimator`].
+/// coefficients of [`bearing_watch::drive::FirDecimator`].
 #[must_use]
 pub fn anti_alias(factor: usize) -> Vec<f64> {
     const ATTENUATION_DB: f64 = 70.0;

@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{Channel, Sampling, ShaftConstants};
 use bearing_watch::plan::{RunTime, ShaftLayout};
-use bearing_watch::{Friction, ShaftEstimate};
+use bearing_watch::shaft::{Friction, ShaftEstimate};
 use rayon::prelude::*;
 
 use super::estimation::successful;

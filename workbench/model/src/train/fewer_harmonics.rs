@@ -12,9 +12,9 @@
 //! harmonics with the largest gain finds most defects. Each trace has another slip δ and phase φ of the pulses, which
 //! do not slip within it.
 
-use bearing_watch::ShaftEstimate;
 use bearing_watch::model::{ShaftConstants, TrackedOrder};
 use bearing_watch::plan::RunTime;
+use bearing_watch::shaft::ShaftEstimate;
 use rayon::prelude::*;
 use statrs::statistics::Statistics;
 

@@ -9,9 +9,9 @@
 //! torque balance does not know; parameters of the segment itself know more than nominal ones, and change meanwhile.
 //! Which is better depends on the drive: each is tried with the core.
 
-use bearing_watch::ShaftEstimate;
 use bearing_watch::model::ShaftConstants;
 use bearing_watch::plan::RunTime;
+use bearing_watch::shaft::ShaftEstimate;
 
 use super::bench::{Bench, OWN_FROM_ROWS, Watched};
 use crate::Error;

@@ -1,8 +1,9 @@
 //! The front end that a model was trained with, as part of the model's C header.
 
+use bearing_watch::drive::{FrontEndConstants, PhaseSensor};
 use bearing_watch::model::Channel;
 use bearing_watch::plan::RunTime;
-use bearing_watch::{FrontEndConstants, Model, Park, PhaseSensor};
+use bearing_watch::{Model, Park};
 
 use super::c_text::{enumeration, line, number, texts};
 use super::front_end_source::{further_channels, further_columns, own};

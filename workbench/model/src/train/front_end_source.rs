@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
+use bearing_watch::drive::{FrontEndConstants, PhaseSensor};
 use bearing_watch::model::Channel;
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{FrontEndConstants, Model, Park, PhaseSensor};
+use bearing_watch::{Model, Park};
 
 use crate::Error;
 use crate::core::{column, fields};
@@ -29,28 +30,30 @@ pub fn front_end_source(model: &Model<RunTime>, recorded: &Channels, file: &Fron
     let listed = if quoted.is_empty() { "none".into() } else { quoted.join(", ") };
     line("/// The front end that the recordings passed. Its further channels, in this order:");
     line(&format!("/// {listed}."));
-    line(&format!("pub type DriveFrontEnd = bearing_watch::FrontEnd<FURTHER, {factor}>;"));
+    line(&format!("pub type DriveFrontEnd = bearing_watch::drive::FrontEnd<FURTHER, {factor}>;"));
     line("");
     line("/// Number of its further channels.");
     line(&format!("pub const FURTHER: usize = {count};"));
     line("");
-    line("/// The constants of this front end; `bearing_watch::OffsetCalibration` measures the offsets of a drive.");
+    line("/// The constants of this front end; `drive::OffsetCalibration` measures the offsets of a drive.");
     line("#[rustfmt::skip]");
-    line("pub const FRONT_END: bearing_watch::FrontEndConstants = bearing_watch::FrontEndConstants {");
+    line("pub const FRONT_END: bearing_watch::drive::FrontEndConstants = bearing_watch::drive::FrontEndConstants {");
     constants(&file.constants()).iter().for_each(|text| line(&format!("    {text}")));
     line("};");
     if let Columns::Counts { bits, .. } = &file.position {
         line("");
         line("/// The reading of the position sensor.");
         line("#[must_use]");
-        line("pub const fn position(counts: u32) -> bearing_watch::Position {");
-        line(&format!("    bearing_watch::Position::Absolute(bearing_watch::Angle::from_counts(counts, {bits}))"));
+        line("pub const fn position(counts: u32) -> bearing_watch::drive::Position {");
+        line(&format!(
+            "    bearing_watch::drive::Position::Absolute(bearing_watch::Angle::from_counts(counts, {bits}))"
+        ));
         line("}");
     }
     line("");
     line("#[rustfmt::skip]");
-    line("impl From<bearing_watch::CleanSample<FURTHER>> for Sample {");
-    line("    fn from(clean: bearing_watch::CleanSample<FURTHER>) -> Self {");
+    line("impl From<bearing_watch::drive::CleanSample<FURTHER>> for Sample {");
+    line("    fn from(clean: bearing_watch::drive::CleanSample<FURTHER>) -> Self {");
     line(&format!("        let [{}] = clean.further;", further.join(", ")));
     let field = |channel: &Channel| {
         let name = channel.name.as_str();
@@ -98,12 +101,7 @@ pub(super) fn own(channel: &Channel) -> bool {
 
 fn constants(constants: &FrontEndConstants) -> Vec<String> {
     let FrontEndConstants { control_rate_hz, sensors, stuck_samples, balance, tracking, frame } = constants;
-    let sensor = |own: &PhaseSensor| {
-        let PhaseSensor { offset_counts, gain_a, usable } = own;
-        format!(
-            "    bearing_watch::PhaseSensor {{ offset_counts: {offset_counts:?}, gain_a: {gain_a:?}, usable: {usable:?} }},"
-        )
-    };
+    let sensor = |sensor: &PhaseSensor| format!("    bearing_watch::drive::{sensor:?},");
     let park = match frame.park {
         Park::Standard => "Standard",
         Park::Thesis => "Thesis",
@@ -112,22 +110,22 @@ fn constants(constants: &FrontEndConstants) -> Vec<String> {
     lines.extend(sensors.iter().map(sensor));
     lines.push("],".into());
     lines.push(format!("stuck_samples: {stuck_samples},"));
-    lines.push(format!("balance: bearing_watch::{balance:?},"));
+    lines.push(format!("balance: bearing_watch::drive::{balance:?},"));
     let resolver = tracking.resolver;
-    lines.push("tracking: bearing_watch::TrackingConstants {".into());
+    lines.push("tracking: bearing_watch::drive::TrackingConstants {".into());
     for (name, value) in [
         ("bandwidth_hz", format!("{:?}", tracking.bandwidth_hz)),
         ("damping", format!("{:?}", tracking.damping)),
         ("error_limit_rad", format!("{:?}", tracking.error_limit_rad)),
         ("lost_samples", tracking.lost_samples.to_string()),
         ("settle_samples", tracking.settle_samples.to_string()),
-        ("resolver", format!("bearing_watch::{resolver:?}")),
+        ("resolver", format!("bearing_watch::drive::{resolver:?}")),
     ] {
         lines.push(format!("    {name}: {value},"));
     }
     lines.push("},".into());
     let offset = frame.electrical_offset.bits();
-    lines.push("frame: bearing_watch::RotorFrame {".into());
+    lines.push("frame: bearing_watch::drive::RotorFrame {".into());
     lines.push(format!("    pole_pairs: {},", frame.pole_pairs));
     lines.push(format!("    electrical_offset: bearing_watch::Angle::from_bits({offset}),"));
     lines.push(format!("    park: bearing_watch::Park::{park},"));

@@ -8,8 +8,9 @@
 //!
 //! Without a load sensor the estimates of the core are biased: [`super::reference_instruments`] then corrects them.
 
+use bearing_watch::FrictionTerm;
 use bearing_watch::model::Balance;
-use bearing_watch::{Friction, FrictionTerm};
+use bearing_watch::shaft::Friction;
 
 use crate::trace;
 

@@ -7,10 +7,11 @@
 //! q current, position, force, angle, logged ─► filter, every n-th row                               [`thinned`]
 //! ```
 
-use bearing_watch::{
-    Angle, BalanceLimits, By, CleanSample, Factor, FrontEnd, FrontEndConstants, Park, PhaseCounts, PhaseSensor,
-    Position, RawSample, ResolverLimits, RotorFrame, TrackingConstants,
+use bearing_watch::drive::{
+    BalanceLimits, By, CleanSample, Factor, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample,
+    ResolverLimits, RotorFrame, TrackingConstants,
 };
+use bearing_watch::{Angle, Park};
 
 use model::Error;
 use model::trace::prepare::decimate;

@@ -27,9 +27,10 @@ pub mod render;
 pub mod roughness;
 mod search;
 
+use bearing_watch::FrictionTerm;
 use bearing_watch::model::{Balance, ShaftConstants};
 use bearing_watch::plan::RunTime;
-use bearing_watch::{FrictionTerm, ShaftEstimate};
+use bearing_watch::shaft::ShaftEstimate;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};

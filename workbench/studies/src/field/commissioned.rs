@@ -137,7 +137,7 @@ impl Settings {
     }
 }
 
-fn refused(error: bearing_watch::CommissioningError) -> Error {
+fn refused(error: bearing_watch::alarm::CommissioningError) -> Error {
     Error::Training(error.to_string())
 }
 

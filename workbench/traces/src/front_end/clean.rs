@@ -1,6 +1,7 @@
 //! Recorded rows through the core's front end.
 
-use bearing_watch::{Angle, By, CleanSample, Factor, FrontEnd, PhaseCounts, Position, RawSample};
+use bearing_watch::Angle;
+use bearing_watch::drive::{By, CleanSample, Factor, FrontEnd, PhaseCounts, Position, RawSample};
 
 use model::trace::front_end::{Columns, FrontEndFile, Quantity, Refused, angle_of, words};
 

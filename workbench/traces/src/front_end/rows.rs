@@ -10,7 +10,7 @@
 
 use std::path::Path;
 
-use bearing_watch::{PhaseCounts, Position, RawSample};
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 
 use crate::front_end::clean::{is_sampled, raw_sample};
 use crate::reader;

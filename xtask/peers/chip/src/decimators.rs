@@ -3,7 +3,7 @@
 use core::f64::consts::{PI, TAU};
 use core::hint::black_box;
 
-use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
+use bearing_watch::drive::{FirDecimator, HalfBandDecimator, HalfBandTaps};
 
 use crate::count::Counter;
 use crate::decimation::{Spread, spread};

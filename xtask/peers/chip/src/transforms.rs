@@ -2,7 +2,8 @@
 
 use core::hint::black_box;
 
-use bearing_watch::{AlphaBeta, Angle, Park};
+use bearing_watch::drive::AlphaBeta;
+use bearing_watch::{Angle, Park};
 
 use crate::count::Counter;
 

@@ -44,9 +44,10 @@ mod refused;
 
 use std::path::Path;
 
-use bearing_watch::{
-    Angle, BalanceLimits, FrontEndConstants, Park, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
+use bearing_watch::drive::{
+    BalanceLimits, FrontEndConstants, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
 };
+use bearing_watch::{Angle, Park};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;

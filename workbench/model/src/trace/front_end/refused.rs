@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use bearing_watch::{Faults, Imbalance};
+use bearing_watch::drive::{Faults, Imbalance};
 
 /// Samples that are missing behind a front end, and why.
 #[derive(Clone, Copy, Debug, PartialEq)]

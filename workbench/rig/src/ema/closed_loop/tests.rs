@@ -1,6 +1,7 @@
 use core::f64::consts::TAU;
 
-use bearing_watch::{Abc, Angle, Park, RotorFrame};
+use bearing_watch::drive::{Abc, RotorFrame};
+use bearing_watch::{Angle, Park};
 
 use super::*;
 use crate::ema::{Actuator, Compliance, EmaCondition, EmaDefect, EmaLoad, EmaState, Logging, Race, SensorErrors};

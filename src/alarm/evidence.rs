@@ -1,0 +1,334 @@
+//! Decisions of many segments → one alarm, with a set mean time between false alarms.
+//!
+//! Enters: a [`Decision`] a segment, and where a run ends. Leaves: an [`Alarm`], once, latched until
+//! [`Evidence::reset`].
+//!
+//! ```text
+//! segment    ln e₀ = min(ln κ + (1 − κ) s, cap)                          (1)  s: surprise of the distance; 0 < κ < 1
+//!            ln e_k = min(ln p(z|k) − ln p(z|healthy), cap)              (2)  of each defect k
+//! run        ln ē_i = ln((e_i of segment 1 + … + e_i of segment n)/n) − ln μ_i   (3)
+//! scores     S_i ← max(0, max(S_i, ln n) + ln ē_i)   at the end of a run (4)
+//! alarm      where any S_i ≥ limit                                       (5)
+//! limit      = ln(K T),   T the mean segments between false alarms       (6)  K: number of scores
+//! ```
+//!
+//! An e-value is a number ≥ 0 whose mean is at most 1 while the drive is healthy. (1) is one since the surprise's
+//! probability e^−s is uniform, and ∫ κ p^(κ−1) dp = 1. With the cap this integral is
+//!
+//! ```text
+//! μ₀ = 1 − p*^κ + p* e^cap,   ln p* = (ln κ − cap)/(1 − κ)               (7)  p*: the probability at the cap
+//! ```
+//!
+//! and (3) divides by it; (2) is one as a ratio of densities. The healthy class is known from a finite number of
+//! segments only: for the drive at hand the mean of (1) or (2) differs from (7) or 1, as long as this model is in use.
+//! The trained ln μ is therefore the mean that 95 % of baselines of this size do not exceed.
+//!
+//! Segments of one run (from one power-up to the next, say) have an offset in common. The mean of e-values is an
+//! e-value whatever the dependence between them (Vovk and Wang 2021), their product is not: (3) averages within a run,
+//! and (4) multiplies over runs. A run ends by [`Evidence::end_run`], or after `segments_a_run` segments: 1 for
+//! independent segments.
+//!
+//! Let run t have an e-value E and n segments, where E is independent of the runs before given the baseline, and n does
+//! not depend on E. Then the recursion
+//!
+//! ```text
+//! R_t = (R_{t−1} + n_t) E_t,   E R_t ≤ E(n_1 + … + n_t)                  (8)
+//! ```
+//!
+//! bounds (4) without its floor, which changes nothing as ln n ≥ 0: e^S ≤ R. So the mean number of *segments* until a
+//! score first reaches a limit h is at least e^h, however many segments a run has and however small the defect (Lorden
+//! 1971; Shin, Ramdas and Rinaldo, e-detectors, 2023). The false-alarm rates of the K scores at most add up: (6).
+//!
+//! This sets the mean *time* between false alarms. κ near 0 reacts to few large surprises, κ near 1 sums many small
+//! ones; a mean surprise of 1/κ is found soonest. If cap − ln μ is half of limit − ln `segments_a_run`, at least two
+//! runs are required, so that one disturbed record causes no alarm. The alarm names the defect that is most likely over
+//! the segments since the first suspicion, and [`Cause::Unknown`] if only the novelty reached the limit.
+//!
+//! A segment beyond the gate of a defect ([`super::novelty`]) has an e-value of at most 1 for it, and adds nothing to
+//! its support: a sensor fault far from every class is no trained defect.
+//!
+//! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
+//! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
+//! Too many of them in a row are a [`Silence`].
+
+mod words;
+
+use super::silence::{Silence, SilenceLimits, Silent};
+use super::trend::{Drift, Trend};
+use crate::decide::{Decision, UNMARKED};
+use crate::logarithm::ln;
+use crate::plan::{Array, Cells, Plan};
+use crate::reason::{Part, Reason};
+
+/// Constants of the evidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct EvidenceConstants {
+    /// κ of (1), between 0 and 1.
+    pub bet: f32,
+    /// (6), nats; infinite for no alarm.
+    pub limit: f32,
+    /// The most that ln e of one segment can be, nats.
+    pub cap: f32,
+    /// Number of decided segments after which a run ends by itself; 1 if segments are independent.
+    pub segments_a_run: u32,
+    /// ln μ of the novelty (3), nats.
+    pub log_mean: f32,
+    /// ln μ of every defect (3), nats.
+    pub defect_log_mean: f32,
+}
+
+impl EvidenceConstants {
+    /// Never an alarm.
+    pub const NONE: Self =
+        Self { bet: 0.5, limit: f32::INFINITY, cap: 1.0, segments_a_run: 1, log_mean: 0.0, defect_log_mean: 0.0 };
+}
+
+/// The cause of an alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Cause {
+    /// The trained defect with the largest likelihood.
+    Class(u8),
+    /// Not healthy, and similar to no trained defect.
+    Unknown,
+}
+
+/// An alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Alarm {
+    /// Number of the segment that raised it; the first is 1.
+    pub segment: u32,
+    /// Its cause.
+    pub cause: Cause,
+}
+
+/// Running state of the alarm. [`Model::evidence`](crate::Model::evidence) makes it; it takes the decision of each
+/// report.
+///
+/// Without a healthy class in the model there is never an alarm.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Evidence<P: Plan> {
+    constants: EvidenceConstants,
+    healthy: Option<u8>,
+    novelty: Score,
+    /// Of each defect; zero for the healthy class and those not in use.
+    defects: Array<P::Classes, Score>,
+    /// Log-likelihood of each defect beside the likeliest of them, summed since all scores were last zero.
+    support: Array<P::Classes, f32>,
+    /// Number of decided segments of the run.
+    run: u32,
+    alarm: Option<Alarm>,
+    segments: u32,
+    undetermined: u32,
+    drift: Drift,
+    silent: Silent,
+    /// The mark of the model.
+    model: u32,
+}
+
+/// S of (4), and ln Σe of the run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Score {
+    sum: f32,
+    run: f32,
+}
+
+impl<P: Plan> Evidence<P> {
+    pub(crate) fn new(plan: P, constants: EvidenceConstants, healthy: Option<u8>) -> Self {
+        let classes = plan.layout().classes as usize;
+        Self {
+            constants,
+            healthy,
+            novelty: Score::ZERO,
+            defects: Cells::filled(classes, Score::ZERO),
+            support: Cells::filled(classes, 0.0),
+            run: 0,
+            alarm: None,
+            segments: 0,
+            undetermined: 0,
+            drift: Drift::NONE,
+            silent: Silent::NONE,
+            model: UNMARKED,
+        }
+    }
+
+    /// Of the model with this mark, whose segments take so long.
+    pub(crate) const fn of_model(mut self, model: u32, segment_s: f32) -> Self {
+        (self.model, self.silent) = (model, self.silent.of_segments(segment_s));
+        self
+    }
+
+    /// With the limits for a silence that another evidence has.
+    pub(crate) const fn limited_as(mut self, other: &Self) -> Self {
+        self.silent.limit(other.silent.limits());
+        self
+    }
+
+    /// Sets other limits for [`Evidence::silence`] than [`SilenceLimits::USUAL`].
+    pub const fn limit_silence(&mut self, limits: SilenceLimits) {
+        self.silent.limit(limits);
+    }
+
+    /// Takes the decision of the next segment, nothing where it had none; gives the alarm that stands.
+    /// [`Evidence::observe_outcome`] also takes the reason.
+    pub fn observe(&mut self, decision: Option<&Decision<P>>) -> Option<Alarm> {
+        self.take(decision.ok_or(None))
+    }
+
+    /// Takes the outcome of the next segment, [`Report::outcome`](crate::Report::outcome): its decision, or why it has
+    /// none; gives the alarm that stands. A decision of another model counts as none.
+    pub fn observe_outcome(&mut self, outcome: Result<&Decision<P>, Reason>) -> Option<Alarm> {
+        self.take(outcome.map_err(Some))
+    }
+
+    fn take(&mut self, outcome: Result<&Decision<P>, Option<Reason>>) -> Option<Alarm> {
+        self.segments = self.segments.saturating_add(1);
+        let decision = match outcome.and_then(|decision| self.of_this_model(decision)) {
+            Ok(decision) => decision,
+            Err(reason) => {
+                self.undetermined = self.undetermined.saturating_add(1);
+                self.silent.add(reason);
+                return self.alarm;
+            }
+        };
+        self.silent.end();
+        let healthy = self.healthy?;
+        self.drift.add(decision.distance);
+        let EvidenceConstants { bet, cap, segments_a_run, .. } = self.constants;
+        self.novelty.add((ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
+        self.weigh_defects(healthy, decision);
+        self.run = self.run.saturating_add(1);
+        if self.run >= segments_a_run { self.end_run() } else { self.alarm }
+    }
+
+    /// The decision, if it is one of this model, or made without one, and has numbers.
+    fn of_this_model<'a>(&self, decision: &'a Decision<P>) -> Result<&'a Decision<P>, Option<Reason>> {
+        let Decision { model, distance_surprise, .. } = *decision;
+        if model != self.model && model != UNMARKED && self.model != UNMARKED {
+            return Err(Some(Reason::OtherModel));
+        }
+        if distance_surprise.is_finite() { Ok(decision) } else { Err(Some(Reason::NotFinite(Part::Classifier))) }
+    }
+
+    /// (2) and the support. A segment beyond the gate of a defect raises neither.
+    fn weigh_defects(&mut self, healthy_class: u8, decision: &Decision<P>) {
+        let (log_likelihoods, healthy_class) = (decision.log_likelihoods(), healthy_class as usize);
+        let healthy = log_likelihoods.get(healthy_class).copied().unwrap_or(f32::NAN);
+        let cap = self.constants.cap;
+        let mut largest = f32::NEG_INFINITY;
+        for ((k, own), beyond) in log_likelihoods.iter().enumerate().zip(decision.beyond()) {
+            largest = if k == healthy_class || *beyond { largest } else { largest.max(*own) };
+        }
+        let states = self.defects.cells_mut().iter_mut().zip(self.support.cells_mut());
+        let classes = log_likelihoods.iter().enumerate().zip(decision.beyond());
+        for (((k, own), beyond), (score, support)) in classes.zip(states) {
+            if k != healthy_class {
+                let ratio = own - healthy; // (2)
+                score.add(if ratio.is_nan() { 0.0 } else { ratio.min(if *beyond { 0.0 } else { cap }) });
+                let behind = if *beyond { f32::NEG_INFINITY } else { own - largest };
+                // Capped too, so that one disturbed segment does not outweigh the others.
+                *support += if behind.is_nan() { 0.0 } else { behind.max(-cap) };
+            }
+        }
+    }
+
+    /// Ends the run, as at power-up or where a new session starts; gives the alarm that stands. Nothing changes if the
+    /// run has no decided segment.
+    pub fn end_run(&mut self) -> Option<Alarm> {
+        let (Some(healthy), 1..) = (self.healthy, self.run) else { return self.alarm };
+        let EvidenceConstants { limit, log_mean, defect_log_mean, .. } = self.constants;
+        // Short: a run of one segment needs no logarithm.
+        let length = if self.run == 1 { 0.0 } else { ln(self.run as f32) };
+        self.run = 0;
+        self.novelty.end_run(length, log_mean);
+        for (k, defect) in (0_u8..).zip(self.defects.cells_mut()) {
+            if k != healthy {
+                defect.end_run(length, defect_log_mean);
+            }
+        }
+        if self.score() <= 0.0 {
+            self.support.cells_mut().fill(0.0);
+        }
+        if self.alarm.is_none() && self.score() >= limit {
+            let conclusive = self.defects.cells().iter().any(|score| score.sum >= limit); // (5)
+            let cause = if conclusive { self.likeliest(healthy) } else { Cause::Unknown };
+            self.alarm = Some(Alarm { segment: self.segments, cause });
+        }
+        self.alarm
+    }
+
+    fn likeliest(&self, healthy: u8) -> Cause {
+        let mut best = (Cause::Unknown, f32::NEG_INFINITY);
+        for (k, support) in (0_u8..).zip(self.support.cells()) {
+            if k != healthy && *support > best.1 {
+                best = (Cause::Class(k), *support);
+            }
+        }
+        best.0
+    }
+
+    /// The alarm that stands.
+    #[must_use]
+    pub const fn alarm(&self) -> Option<Alarm> {
+        self.alarm
+    }
+
+    /// The largest of the scores (4) of the runs that have ended, nats; the alarm is raised where it reaches the limit.
+    #[must_use]
+    pub fn score(&self) -> f32 {
+        self.defects.cells().iter().map(|score| score.sum).fold(self.novelty.sum, f32::max)
+    }
+
+    /// Segments observed, and how many of them were undetermined.
+    #[must_use]
+    pub const fn segments(&self) -> (u32, u32) {
+        (self.segments, self.undetermined)
+    }
+
+    /// Whether no segment has had a verdict for too long, and why; `None` again with the next verdict. It is no alarm
+    /// of the bearing and is not latched: a fault that denies verdicts adds nothing to the scores, and would otherwise
+    /// be silent for ever.
+    #[must_use]
+    pub fn silence(&self) -> Option<Silence> {
+        self.silent.silence()
+    }
+
+    /// Course of the distance from the healthy class over the decided segments; nothing before there are four.
+    #[must_use]
+    pub fn trend(&self) -> Option<Trend> {
+        self.drift.trend()
+    }
+
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend.
+    pub fn reset(&mut self) {
+        self.defects.cells_mut().fill(Score::ZERO);
+        self.support.cells_mut().fill(0.0);
+        (self.novelty, self.run) = (Score::ZERO, 0);
+        (self.alarm, self.segments, self.undetermined) = (None, 0, 0);
+        self.drift = Drift::NONE;
+        self.silent.end();
+    }
+}
+
+impl Score {
+    const ZERO: Self = Self { sum: 0.0, run: f32::NEG_INFINITY };
+
+    /// Adds e to the sum of the run: ln(eᵃ + eᵇ) = max + ln(1 + e^−|a − b|).
+    fn add(&mut self, log_e: f32) {
+        let (more, less) = (self.run.max(log_e), self.run.min(log_e));
+        self.run = if less > f32::NEG_INFINITY { more + ln(1.0 + libm::expf(less - more)) } else { more };
+    }
+
+    /// (3) and (4) for a run of which this is ln n.
+    fn end_run(&mut self, length: f32, log_mean: f32) {
+        let log_e = self.run - length - log_mean;
+        *self = Self { sum: (self.sum.max(length) + log_e).max(0.0), ..Self::ZERO };
+    }
+}
+
+#[cfg(test)]
+mod tests;

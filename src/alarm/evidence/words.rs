@@ -1,0 +1,126 @@
+//! The state of the alarm as words, and back.
+//!
+//! The first part has been the same since version 1 of the saved state; the second one came with version 2.
+
+use super::{Alarm, Cause, Drift, Evidence, EvidenceConstants, Score};
+use crate::plan::{Cells, Plan};
+use crate::regression::factor::pairs;
+
+/// Words beside those of the classes.
+const COMMON: usize = 11;
+/// Words a class.
+const EACH: usize = 3;
+/// Words of the second part.
+const LATER: usize = 7;
+/// The cause of an alarm is a number: none, unknown, and from here on the class.
+const FIRST_CLASS: u32 = 2;
+
+impl<P: Plan> Evidence<P> {
+    /// Number of words of the second part.
+    pub(crate) const LATER_WORDS: usize = LATER;
+
+    /// Number of words of the first part for so many classes.
+    pub(crate) const fn words(classes: u8) -> usize {
+        COMMON.saturating_add(EACH.saturating_mul(classes as usize))
+    }
+
+    /// Hands out the words in their order.
+    pub(crate) fn save(&self, put: &mut impl FnMut(u32)) {
+        let (cause, segment) = match self.alarm {
+            None => (0, 0),
+            Some(Alarm { segment, cause: Cause::Unknown }) => (1, segment),
+            Some(Alarm { segment, cause: Cause::Class(class) }) => (FIRST_CLASS.saturating_add(class.into()), segment),
+        };
+        [self.segments, self.undetermined, self.run, cause, segment].into_iter().for_each(&mut *put);
+        for Score { sum, run } in core::iter::once(&self.novelty).chain(self.defects.cells()) {
+            put(sum.to_bits());
+            put(run.to_bits());
+        }
+        self.support.cells().iter().for_each(|support| put(support.to_bits()));
+        let [newer, _] = self.drift.words();
+        newer.into_iter().for_each(put);
+    }
+
+    /// Hands out the words of the second part.
+    pub(crate) fn save_later(&self, put: &mut impl FnMut(u32)) {
+        let [_, older] = self.drift.words();
+        older.into_iter().chain(self.silent.words()).for_each(put);
+    }
+
+    /// Takes the words in their order; `None` if one is missing or none that an alarm can have. The state is then of no
+    /// use.
+    pub(crate) fn restore(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
+        (self.segments, self.undetermined, self.run) = (take()?, take()?, take()?);
+        let (cause, segment) = (take()?, take()?);
+        self.alarm = match cause {
+            0 => None,
+            1 => Some(Alarm { segment, cause: Cause::Unknown }),
+            class => Some(Alarm { segment, cause: Cause::Class(u8::try_from(class.wrapping_sub(FIRST_CLASS)).ok()?) }),
+        };
+        let scores = core::iter::once(&mut self.novelty).chain(self.defects.cells_mut());
+        for score in scores {
+            *score = Score { sum: f32::from_bits(take()?), run: f32::from_bits(take()?) };
+        }
+        for support in self.support.cells_mut() {
+            *support = f32::from_bits(take()?);
+        }
+        self.drift = Drift::from_words([[take()?, take()?, take()?, take()?], Drift::NO_WORDS])?;
+        Some(())
+    }
+
+    /// Takes the words of the second part; `None` as for the first one.
+    pub(crate) fn restore_later(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
+        let [newer, _] = self.drift.words();
+        self.drift = Drift::from_words([newer, [take()?, take()?, take()?, take()?]])?;
+        self.silent.restore([take()?, take()?, take()?], self.undetermined)
+    }
+
+    /// Whether counts, alarm and scores are such as segments can leave.
+    pub(crate) fn is_plausible(&self) -> bool {
+        let Self { segments, undetermined, run, .. } = *self;
+        let decided = segments.saturating_sub(undetermined);
+        let counted = undetermined <= segments && run <= decided && self.drift.count() <= decided;
+        counted && self.raised() && self.scored(decided)
+    }
+
+    /// Whether the alarm is one that the scores leave, or left.
+    fn raised(&self) -> bool {
+        let defect = |class: u8| (class as usize) < self.support.cells().len() && Some(class) != self.healthy;
+        match self.alarm {
+            // A score at the limit raises it.
+            None => self.score() < self.constants.limit,
+            Some(Alarm { segment, cause }) => {
+                let known = match cause {
+                    Cause::Unknown => true,
+                    Cause::Class(class) => defect(class),
+                };
+                known && self.healthy.is_some() && segment > 0 && segment <= self.segments
+            }
+        }
+    }
+
+    /// Whether so many decided segments can leave these scores.
+    fn scored(&self, decided: u32) -> bool {
+        let EvidenceConstants { cap, segments_a_run, log_mean, defect_log_mean, .. } = self.constants;
+        // Without a healthy class nothing is summed.
+        let (open, runs) = (self.run > 0, if self.healthy.is_some() { decided } else { 0 });
+        // A run adds its cap, its length and a mean; the margin is for roundings.
+        let a_run = cap + log_mean.abs().max(defect_log_mean.abs()) + 1.0;
+        let most = a_run * runs as f32 * 1.01;
+        let good = |score: &Score| {
+            let begun = if open { score.run < f32::INFINITY } else { score.run == f32::NEG_INFINITY };
+            score.sum >= 0.0 && score.sum <= most && begun
+        };
+        // A range beside the pairs would need a check of overflow.
+        let mut class = 0_u8;
+        let defects_good = pairs(self.defects.cells(), self.support.cells()).all(|(score, support)| {
+            let healthy = Some(class) == self.healthy;
+            class = class.wrapping_add(1);
+            let lowest = -1.01 * cap * runs as f32;
+            let weighed = good(score) && *support <= 0.0 && *support >= lowest;
+            weighed && (!healthy || (*score == Score::ZERO && *support >= 0.0))
+        });
+        let novelty = good(&self.novelty) && (!open || self.novelty.run.is_finite());
+        novelty && defects_good && (self.run < segments_a_run || self.run == 0) && (runs > 0 || !open)
+    }
+}

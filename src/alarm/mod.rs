@@ -1,0 +1,26 @@
+//! Decisions of many segments → [`Alarm`] with its cause, and what is kept from one segment to the next.
+//!
+//! Enters: a decision, or the reason why there is none, once a segment. Leaves: alarm, trend and silence; on request, a
+//! healthy class that follows the drive, and the state as bytes.
+//!
+//! ```text
+//! evidence        decisions of segments and runs ─► Alarm       trend, silence   growth; segments without a verdict
+//! baseline        follows slow changes of a healthy drive       saved            alarm and baseline as bytes
+//! commissioning   learns the healthy class on the drive
+//! ```
+
+pub(crate) mod baseline;
+pub(crate) mod commissioning;
+pub(crate) mod evidence;
+mod saved;
+mod silence;
+pub(crate) mod trend;
+
+pub use baseline::Baseline;
+pub use commissioning::{Commissioning, CommissioningError};
+pub use saved::StateError;
+pub use silence::{Silence, SilenceLimits};
+pub use trend::Trend;
+
+pub(crate) use commissioning::CommissioningConstants;
+pub(crate) use evidence::{Alarm, Cause, Evidence, EvidenceConstants};

@@ -1,0 +1,267 @@
+//! The state of alarm and baseline as bytes, so that they survive power-off.
+//!
+//! ```text
+//! "BWST"  version u16  flags u16  words u32  model u32  words  CRC-32 u32        little-endian
+//! words   segments, undetermined, those of the run; cause and segment of the alarm; scores; support; sums of the trend
+//!         whether the baseline reached its bound; its offset, one word a coordinate
+//!         older sums of the trend; segments since the last verdict, and why they have none; constants of the baseline
+//! ```
+//!
+//! The number of bytes depends on the plan only. Version 1, without the last line, is read too. Bytes of another model,
+//! by [`Model::id`], are refused: scores and offset are relative to its healthy class. So are those of a baseline with
+//! other constants, and numbers that segments of this model cannot leave: under a good checksum they come from a
+//! program that differs from this one. The bytes do not contain the open segment, which is lost at power-off, nor
+//! do they end the run: call [`Evidence::end_run`] before saving at power-down, where a run is from power-up to
+//! power-up.
+//!
+//! Store the bytes by [`crate::storage`], or by any other means.
+
+use core::fmt;
+
+use super::baseline::{Baseline, BaselineConstants, BaselineMismatch};
+use super::evidence::Evidence;
+use crate::checksum::crc32;
+use crate::model::Model;
+use crate::plan::Plan;
+
+const MAGIC: [u8; 4] = *b"BWST";
+const VERSION: u16 = 2;
+/// The version without the last words.
+const FIRST_VERSION: u16 = 1;
+const HEADER: usize = 16;
+/// Flag: there is a baseline.
+const WITH_BASELINE: u16 = 1;
+
+/// Why a state is not saved or restored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum StateError {
+    /// The buffer is too small: see [`Model::saved_len`].
+    BufferTooSmall,
+    /// The bytes are not a saved state.
+    NotAState,
+    /// The bytes are a state of another format version.
+    Version {
+        /// Version of the bytes.
+        found: u16,
+        /// Version that this build reads.
+        supported: u16,
+    },
+    /// There are fewer or more bytes than this plan has.
+    Truncated,
+    /// The checksum does not match the content.
+    Checksum,
+    /// The state is that of another model.
+    OtherModel {
+        /// Id of the model of the state.
+        saved: u32,
+        /// Id of this model.
+        own: u32,
+    },
+    /// The state is that of a baseline with other constants.
+    OtherBaseline,
+    /// A value is not a number, or none that this state can have.
+    Value,
+}
+
+impl StateError {
+    /// The error in words.
+    #[must_use]
+    pub const fn message(&self) -> &'static str {
+        match self {
+            Self::BufferTooSmall => "the buffer is too small for the state",
+            Self::NotAState => "these bytes are not a saved state",
+            Self::Version { .. } => "the state has another format version",
+            Self::Truncated => "the state has fewer or more bytes than this plan has",
+            Self::Checksum => "the checksum of the state does not match",
+            Self::OtherModel { .. } => "the state is that of another model",
+            Self::OtherBaseline => "the baseline of the state has other constants",
+            Self::Value => "a value of the state is out of range",
+        }
+    }
+}
+
+impl fmt::Display for StateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Version { found, supported } => {
+                write!(f, "state format version {found}, but this build reads version {supported}")
+            }
+            other => f.write_str(other.message()),
+        }
+    }
+}
+
+impl core::error::Error for StateError {}
+
+impl<P: Plan> Model<P> {
+    /// Number of bytes of a saved state, with or without a baseline.
+    #[must_use]
+    pub fn saved_len(&self) -> usize {
+        self.words().saturating_mul(4).saturating_add(HEADER + 4)
+    }
+
+    fn words(&self) -> usize {
+        self.words_of(VERSION).unwrap_or(0)
+    }
+
+    /// Number of words of a version; `None` for one that is not read.
+    fn words_of(&self, version: u16) -> Option<usize> {
+        let layout = self.plan().layout();
+        let first = Evidence::<P>::words(layout.classes).saturating_add(Baseline::<P>::words(layout.coordinates));
+        match version {
+            FIRST_VERSION => Some(first),
+            VERSION => Some(first.saturating_add(Evidence::<P>::LATER_WORDS + Baseline::<P>::LATER_WORDS)),
+            _ => None,
+        }
+    }
+
+    /// Writes evidence, with alarm and trend, and a baseline, if there is one, into `buffer`; returns the number of
+    /// bytes, [`Model::saved_len`]. Cost: a checksum over the state, and [`Model::id`].
+    ///
+    /// # Errors
+    /// [`StateError::BufferTooSmall`].
+    pub fn save(
+        &self,
+        evidence: &Evidence<P>,
+        baseline: Option<&Baseline<P>>,
+        buffer: &mut [u8],
+    ) -> Result<usize, StateError> {
+        let length = self.saved_len();
+        let bytes = buffer.get_mut(..length).ok_or(StateError::BufferTooSmall)?;
+        let (content, check) = bytes.split_last_chunk_mut().ok_or(StateError::BufferTooSmall)?;
+        let (header, words) = content.split_first_chunk_mut().ok_or(StateError::BufferTooSmall)?;
+        *header = self.header(VERSION, if baseline.is_some() { WITH_BASELINE } else { 0 }, self.id());
+        words.fill(0);
+        let mut places = words.as_chunks_mut::<4>().0.iter_mut();
+        let mut put = |word: u32| {
+            if let Some(place) = places.next() {
+                *place = word.to_le_bytes();
+            }
+        };
+        evidence.save(&mut put);
+        match baseline {
+            Some(baseline) => baseline.save(&mut put),
+            None => (0..Baseline::<P>::words(self.plan().layout().coordinates)).for_each(|_| put(0)),
+        }
+        evidence.save_later(&mut put);
+        if let Some(baseline) = baseline {
+            baseline.save_constants(&mut put);
+        }
+        *check = crc32(content).to_le_bytes();
+        Ok(length)
+    }
+
+    /// Continues from a saved state of this model. A baseline remains as it is if none was saved; one that was saved is
+    /// ignored by a program that has none. Nothing changes in case of an error.
+    ///
+    /// # Errors
+    /// A [`StateError`]: not a state, of another version, length, model or baseline, corrupted, or with a value that
+    /// this state cannot have.
+    pub fn restore(
+        &self,
+        bytes: &[u8],
+        evidence: &mut Evidence<P>,
+        baseline: Option<&mut Baseline<P>>,
+    ) -> Result<(), StateError> {
+        let Opened { words, flags, version } = self.open(bytes)?;
+        let mut words = words.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word));
+        let mut take = || words.next();
+        // The limits of a silence are those of the program.
+        let mut restored = self.evidence().limited_as(evidence);
+        restored.restore(&mut take).ok_or(StateError::Value)?;
+        let given = baseline.as_deref();
+        let mut followed = (flags == WITH_BASELINE).then(|| given.cloned().or_else(|| self.any_baseline())).flatten();
+        match &mut followed {
+            Some(followed) => followed.restore_words(&mut take).ok_or(StateError::Value)?,
+            None => zeros(&mut take, Baseline::<P>::words(self.plan().layout().coordinates))?,
+        }
+        if version > FIRST_VERSION {
+            restored.restore_later(&mut take).ok_or(StateError::Value)?;
+            match &followed {
+                Some(followed) => constants(followed, given.is_some(), &mut take)?,
+                None => zeros(&mut take, Baseline::<P>::LATER_WORDS)?,
+            }
+        }
+        if !restored.is_plausible() {
+            return Err(StateError::Value);
+        }
+        if let (Some(baseline), Some(followed)) = (baseline, followed) {
+            *baseline = followed;
+        }
+        *evidence = restored;
+        Ok(())
+    }
+
+    /// A baseline that accepts every offset that any one has, to check one that is not used.
+    fn any_baseline(&self) -> Option<Baseline<P>> {
+        self.baseline(BaselineConstants::WIDEST)
+    }
+
+    fn header(&self, version: u16, flags: u16, model: u32) -> [u8; HEADER] {
+        let mut header = [0; HEADER];
+        let words = self.words_of(version).and_then(|words| u32::try_from(words).ok());
+        let words = words.unwrap_or(u32::MAX).to_le_bytes();
+        let (version, flags, model) = (version.to_le_bytes(), flags.to_le_bytes(), model.to_le_bytes());
+        let fields: [&[u8]; 5] = [&MAGIC, &version, &flags, &words, &model];
+        header.iter_mut().zip(fields.into_iter().flatten()).for_each(|(cell, byte)| *cell = *byte);
+        header
+    }
+
+    /// Checks the frame.
+    fn open<'a>(&self, bytes: &'a [u8]) -> Result<Opened<'a>, StateError> {
+        let (magic, rest) = bytes.split_first_chunk::<4>().ok_or(StateError::NotAState)?;
+        if *magic != MAGIC {
+            return Err(StateError::NotAState);
+        }
+        let (found, _) = rest.split_first_chunk::<2>().ok_or(StateError::Truncated)?;
+        let version = u16::from_le_bytes(*found);
+        let supported = StateError::Version { found: version, supported: VERSION };
+        let length = self.words_of(version).ok_or(supported)?.saturating_mul(4).saturating_add(HEADER + 4);
+        let (content, check) = bytes.split_last_chunk::<4>().ok_or(StateError::Truncated)?;
+        if crc32(content) != u32::from_le_bytes(*check) {
+            // A state that is too short has no checksum where it ends.
+            return Err(if bytes.len() == length { StateError::Checksum } else { StateError::Truncated });
+        }
+        let (header, words) = content.split_first_chunk::<HEADER>().ok_or(StateError::Truncated)?;
+        let [.., f0, f1, _, _, _, _, m0, m1, m2, m3] = *header;
+        let (saved, own, flags) = (u32::from_le_bytes([m0, m1, m2, m3]), self.id(), u16::from_le_bytes([f0, f1]));
+        if saved != own {
+            return Err(StateError::OtherModel { saved, own });
+        }
+        if *header != self.header(version, flags, own) || bytes.len() != length {
+            return Err(StateError::Truncated);
+        }
+        if flags > WITH_BASELINE { Err(StateError::Value) } else { Ok(Opened { words, flags, version }) }
+    }
+}
+
+/// The words of a state, with flags and version of its header.
+struct Opened<'a> {
+    words: &'a [u8],
+    flags: u16,
+    version: u16,
+}
+
+/// Takes words that have no meaning in this state.
+fn zeros(take: &mut impl FnMut() -> Option<u32>, count: usize) -> Result<(), StateError> {
+    let unused = (0..count).all(|_| take() == Some(0));
+    if unused { Ok(()) } else { Err(StateError::Value) }
+}
+
+/// Takes the constants of a baseline; if it is `used`, they must be its own.
+fn constants<P: Plan>(
+    baseline: &Baseline<P>,
+    used: bool,
+    take: &mut impl FnMut() -> Option<u32>,
+) -> Result<(), StateError> {
+    match baseline.check_constants(take) {
+        Err(BaselineMismatch::Value) => Err(StateError::Value),
+        Err(BaselineMismatch::Constants) if used => Err(StateError::OtherBaseline),
+        Ok(()) | Err(BaselineMismatch::Constants) => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

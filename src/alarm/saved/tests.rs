@@ -1,0 +1,164 @@
+//! A state that is saved and read by the small drive, and bytes that are none of its states.
+
+use std::vec::Vec;
+
+use super::*;
+use crate::alarm::{EvidenceConstants, SilenceLimits};
+use crate::decide::{Decision, Novelty};
+use crate::reason::Reason;
+use crate::tests::{Drive, MODEL};
+
+/// The drive's model with a gate around its first class, and with an alarm.
+fn model() -> Model<Drive> {
+    let mut constants = MODEL.constants().clone();
+    let novelty = constants.classifier.novelty;
+    let knots = core::array::from_fn(|k| [2.0 * k as f32, k as f32]);
+    constants.classifier.novelty =
+        Novelty { class: Some(0), mean: [0.5], factor: [0.0025], knots, limit: 4.6, ..novelty };
+    constants.evidence = EvidenceConstants { bet: 0.2, limit: 9.0, cap: 4.0, ..constants.evidence };
+    Model::new(Drive, constants).unwrap()
+}
+
+/// After three healthy segments with a surprise below all scores, and two without a verdict.
+fn evidence(model: &Model<Drive>) -> Evidence<Drive> {
+    let mut evidence = model.evidence();
+    let decision: Decision<Drive> = model.constants().classifier.decide(Drive, &[0.0, -9.0], 0.5).unwrap();
+    (0..3).for_each(|_| _ = evidence.observe(Some(&decision)));
+    (0..2).for_each(|_| _ = evidence.observe_outcome(Err(Reason::Stuck { channel: 1 })));
+    evidence
+}
+
+fn baseline(model: &Model<Drive>, bound: f32) -> Baseline<Drive> {
+    model.baseline(BaselineConstants::new(50.0, bound)).unwrap()
+}
+
+/// The bytes, in a buffer that was in use.
+fn saved(model: &Model<Drive>, baseline: Option<&Baseline<Drive>>) -> Vec<u8> {
+    let mut bytes = Vec::from([0xA5; 200]);
+    let length = model.save(&evidence(model), baseline, &mut bytes).unwrap();
+    bytes.truncate(length);
+    bytes
+}
+
+/// The content with a checksum that fits.
+fn checked(content: &[u8]) -> Vec<u8> {
+    [content, &crc32(content).to_le_bytes()].concat()
+}
+
+/// The bytes with another one at a place, under a checksum that fits.
+fn with(bytes: &[u8], place: usize, byte: u8) -> Vec<u8> {
+    let mut content = bytes[..bytes.len() - 4].to_vec();
+    content[place] = byte;
+    checked(&content)
+}
+
+/// The error, after which nothing has changed.
+fn refusal(model: &Model<Drive>, bytes: &[u8]) -> StateError {
+    let (mut evidence, mut baseline) = (model.evidence(), baseline(model, 2.0));
+    let before = (evidence.clone(), baseline.clone());
+    let error = model.restore(bytes, &mut evidence, Some(&mut baseline)).unwrap_err();
+    assert_eq!((evidence, baseline), before, "{error:?}");
+    error
+}
+
+/// Of header and words of two classes and one coordinate: counts, alarm, scores, support, trend, baseline, and later
+/// ones.
+const HEAD: usize = 16;
+const SCORES: usize = HEAD + 4 * 5;
+const BASELINE: usize = SCORES + 4 * (2 + 3 * 2 + 4);
+const CONSTANTS: usize = BASELINE + 4 * (2 + 10 - 3);
+
+#[test]
+fn header_and_counts_are_where_the_format_has_them() {
+    let model = model();
+    let bytes = saved(&model, None);
+    assert_eq!(bytes.len(), CONSTANTS + 4 * 3 + 4);
+    let [i0, i1, i2, i3] = model.id().to_le_bytes();
+    assert_eq!(bytes[..HEAD], [b'B', b'W', b'S', b'T', 2, 0, 0, 0, 29, 0, 0, 0, i0, i1, i2, i3]);
+    assert_eq!(bytes[HEAD..HEAD + 8], [5, 0, 0, 0, 2, 0, 0, 0], "segments, and those without a verdict");
+    assert_eq!(bytes, checked(&bytes[..bytes.len() - 4]));
+    assert_eq!(bytes[BASELINE..BASELINE + 8], [0; 8], "no baseline");
+    assert_eq!(bytes[CONSTANTS..CONSTANTS + 12], [0; 12], "no constants of a baseline");
+    let with = saved(&model, Some(&baseline(&model, 2.0)));
+    assert_eq!((with[6], with.len()), (1, bytes.len()));
+}
+
+#[test]
+fn what_is_saved_is_restored_with_a_baseline_and_without() {
+    let model = model();
+    let mut narrow = baseline(&model, 2.0);
+    assert!(narrow.restore(&[0.05], true));
+    for (kept, given) in [(None, false), (None, true), (Some(&narrow), true), (Some(&narrow), false)] {
+        let (mut evidence, mut other) = (model.evidence(), baseline(&model, 2.0));
+        let bytes = saved(&model, kept);
+        let expected = if given { kept.cloned().unwrap_or_else(|| other.clone()) } else { other.clone() };
+        assert_eq!(model.restore(&bytes, &mut evidence, given.then_some(&mut other)), Ok(()), "{given}");
+        assert_eq!((&evidence, &other), (&self::evidence(&model), &expected), "{given}");
+    }
+}
+
+#[test]
+fn the_limits_of_a_silence_are_those_of_the_program() {
+    let model = model();
+    let mut evidence = model.evidence();
+    evidence.limit_silence(SilenceLimits { segments: 2, hours: 0.0 });
+    assert_eq!(model.restore(&saved(&model, None), &mut evidence, None), Ok(()));
+    let silence = evidence.silence().expect("two segments without a verdict");
+    assert_eq!((silence.segments, silence.reason), (2, Some(Reason::Stuck { channel: 1 })));
+}
+
+#[test]
+fn each_refusal_has_its_reason() {
+    let model = model();
+    let bytes = saved(&model, None);
+    let end = bytes.len();
+    let mut damaged = bytes.clone();
+    damaged[SCORES] ^= 1;
+    assert_eq!(refusal(&model, &damaged), StateError::Checksum);
+    assert_eq!(refusal(&model, &bytes[..end - 1]), StateError::Truncated);
+    assert_eq!(refusal(&model, &checked(&bytes[..end - 8])), StateError::Truncated, "a word less");
+    assert_eq!(refusal(&model, &checked(&[&bytes[..end - 4], &[0; 4]].concat())), StateError::Truncated, "one more");
+    assert_eq!(refusal(&model, &checked(&[&bytes[..end - 4], &[0]].concat())), StateError::Truncated, "a byte more");
+    assert_eq!(refusal(&model, &with(&bytes, 8, 28)), StateError::Truncated, "another number of words");
+    assert_eq!(refusal(&model, &with(&bytes, 3, b'D')), StateError::NotAState);
+    assert_eq!(refusal(&model, &with(&bytes, 4, 3)), StateError::Version { found: 3, supported: 2 });
+    assert_eq!(refusal(&model, &with(&bytes, 6, 2)), StateError::Value, "a flag that no version has");
+    let (saved, own) = (model.id(), MODEL.id());
+    assert_eq!(MODEL.restore(&bytes, &mut MODEL.evidence(), None), Err(StateError::OtherModel { saved, own }));
+}
+
+#[test]
+fn numbers_that_no_segments_leave_are_refused() {
+    let model = model();
+    let (without, kept) = (saved(&model, None), saved(&model, Some(&baseline(&model, 2.0))));
+    assert_eq!(refusal(&model, &with(&without, SCORES + 3, 0xBF)), StateError::Value, "a negative score");
+    for place in (BASELINE..BASELINE + 8).chain(CONSTANTS..CONSTANTS + 12) {
+        assert_eq!(refusal(&model, &with(&without, place, 1)), StateError::Value, "{place}: there is no baseline");
+    }
+    assert_eq!(refusal(&model, &with(&kept, BASELINE, 2)), StateError::Value, "a flag is 0 or 1");
+}
+
+#[test]
+fn a_baseline_has_the_constants_that_it_was_saved_with() {
+    let model = model();
+    let (wide, mut narrow) = (baseline(&model, 5.0), baseline(&model, 1.0));
+    let bytes = saved(&model, Some(&wide));
+    assert_eq!(refusal(&model, &bytes), StateError::OtherBaseline);
+    // A program without a baseline takes the alarm all the same.
+    let mut evidence = model.evidence();
+    assert_eq!(model.restore(&bytes, &mut evidence, None), Ok(()));
+    assert_eq!(evidence, self::evidence(&model));
+    assert_eq!(model.restore(&saved(&model, Some(&narrow.clone())), &mut evidence, Some(&mut narrow)), Ok(()));
+}
+
+#[test]
+fn the_first_version_has_ten_words_less() {
+    let model = model();
+    let bytes = saved(&model, None);
+    let mut old = bytes[..bytes.len() - 4 - 40].to_vec();
+    (old[4], old[8]) = (1, 19);
+    let mut evidence = model.evidence();
+    assert_eq!(model.restore(&checked(&old), &mut evidence, None), Ok(()));
+    assert_eq!((evidence.segments(), evidence.score()), ((5, 2), 0.0));
+    assert_eq!(refusal(&model, &with(&checked(&old), 4, 2)), StateError::Truncated, "its length as the second one");
+}

@@ -1,0 +1,119 @@
+//! A model whose constants fit its plan and each other.
+
+use super::constants::Constants;
+use super::error::ModelError;
+use super::mark::mark;
+use super::sampling::Sampling;
+use super::validate::check;
+use crate::alarm::baseline::BaselineConstants;
+use crate::alarm::{Baseline, Evidence};
+use crate::decide::UNMARKED;
+use crate::drive::RotorFrame;
+use crate::plan::{Cells, Plan};
+use crate::signal::Label;
+
+/// A checked model. A detector borrows it.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Model<P: Plan> {
+    plan: P,
+    constants: Constants<P>,
+    /// By which decisions, segments and reports of this model are known.
+    mark: u32,
+}
+
+impl<P: Plan> Model<P> {
+    /// Checks the constants. A plan defined by [`plan!`](crate::plan!) has a function `model`, which can do so at
+    /// compile time.
+    ///
+    /// # Errors
+    /// The first thing that does not fit.
+    pub fn new(plan: P, constants: Constants<P>) -> Result<Self, ModelError> {
+        let parts = constants.parts(plan);
+        check(&parts)?;
+        let mark = mark(&parts);
+        Ok(Self { plan, constants, mark })
+    }
+
+    /// For constants that were not checked, in tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn checked(plan: P, constants: Constants<P>) -> Self {
+        Self::marked(plan, constants, UNMARKED)
+    }
+
+    /// For constants that were checked before.
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn marked(plan: P, constants: Constants<P>, mark: u32) -> Self {
+        Self { plan, constants, mark }
+    }
+
+    /// The mark of what is made with this model.
+    pub(crate) const fn mark(&self) -> u32 {
+        self.mark
+    }
+
+    /// The plan.
+    #[inline(always)]
+    #[must_use]
+    pub const fn plan(&self) -> P {
+        self.plan
+    }
+
+    /// The trained numbers.
+    #[inline(always)]
+    #[must_use]
+    pub const fn constants(&self) -> &Constants<P> {
+        &self.constants
+    }
+
+    /// Name of a class; empty if there is no such class.
+    #[must_use]
+    pub fn label(&self, class: u8) -> &str {
+        self.constants.labels.cells().get(class as usize).map_or("", Label::as_str)
+    }
+
+    /// Checks that a rotor frame transforms currents as the recordings were transformed on which the model was trained.
+    ///
+    /// # Errors
+    /// [`ModelError::Park`] if the sign conventions differ.
+    pub fn check_rotor_frame(&self, frame: &RotorFrame) -> Result<(), ModelError> {
+        match self.constants.sampling.park {
+            Some(trained) if trained != frame.park => Err(ModelError::Park { trained, given: frame.park }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks the sampling interval.
+    ///
+    /// # Errors
+    /// [`ModelError::Interval`] if both intervals are known and differ by more than 1 %.
+    pub fn check_interval(&self, interval_s: f32) -> Result<(), ModelError> {
+        let trained_s = self.constants.sampling.interval_s;
+        let unknown = trained_s <= 0.0 || interval_s <= 0.0;
+        let ratio = interval_s / trained_s;
+        let same = unknown || (0.99..=1.01).contains(&ratio);
+        if same { Ok(()) } else { Err(ModelError::Interval { trained_s, given_s: interval_s }) }
+    }
+
+    /// A baseline that follows slow changes, without any offset yet; `None` if a constant is out of range, or the model
+    /// has no healthy class.
+    #[must_use]
+    pub fn baseline(&self, constants: BaselineConstants) -> Option<Baseline<P>> {
+        let novelty = &self.constants.classifier.novelty;
+        novelty
+            .class
+            .and_then(|_| Baseline::new(self.plan, novelty, constants))
+            .map(|baseline| baseline.of_model(self.mark))
+    }
+
+    /// Evidence without any segment yet.
+    #[must_use]
+    pub fn evidence(&self) -> Evidence<P> {
+        let Sampling { interval_s, block_mean, segment_samples, .. } = self.constants.sampling;
+        let segment_s = interval_s * f32::from(block_mean) * segment_samples as f32;
+        let healthy = self.constants.classifier.novelty.class;
+        Evidence::new(self.plan, self.constants.evidence, healthy).of_model(self.mark, segment_s)
+    }
+}

@@ -1,0 +1,290 @@
+//! Accepted samples → one [`Estimate`] a segment.
+//!
+//! Enters: y, u1, u2 a sample at a time. Leaves: δ-parameters θ, their covariance, the residual variance.
+//!
+//! ```text
+//! sample ─► rows: least squares or instruments ─► sums: a segment or fading memory
+//!              ▲ auxiliary model                      │ segment closed
+//!              └───────────── Estimate ◄──── solve ◄──┘
+//!
+//! least squares   θ = (XᵀX)⁻¹ Xᵀ Y,   cov θ = σ² (XᵀX)⁻¹                         (1)  thesis Eq. 2.17–2.19
+//! instruments     θ = (ZᵀX)⁻¹ Zᵀ Y,   cov θ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹             (2)
+//! ```
+//!
+//! The parameters are those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would contain the effect of a fault in its
+//! last digits only. [`Estimate::raw`] converts to a, b, c.
+//!
+//! Cost: one row and one update of the factor a sample. [`RegressionSums`] is a copy of a segment's sums that is solved
+//! in steps, at once or in another thread. Both ways give the same bits if the estimate is back before
+//! [`Regression::handover`].
+
+use super::result::SegmentNumber;
+use super::{Estimate, is_stable};
+use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout};
+use crate::reason::{Part, Reason};
+use crate::regression::factor::{Problem, Solution, SolveError, Solved, Sums, longest};
+use crate::regression::{Frame, Inputs, Regression, Rows};
+
+/// Running state of the regression.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Estimator<P: Plan> {
+    rows: Rows<P>,
+    sums: Sums<P>,
+    /// Rows of the open segment.
+    count: u32,
+    /// Sum of the rows' motion.
+    motion: f32,
+    /// Rows of less weight, and rows that fading memory ignored.
+    downweighted: u32,
+    resting: u32,
+    /// Of the open segment.
+    segment: SegmentNumber,
+}
+
+/// The sums of a closed segment, separate from the estimator, and the solve under way.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RegressionSums<P: Plan> {
+    sums: Sums<P>,
+    frame: Frame<P>,
+    /// Rows of the segment.
+    pub count: u32,
+    at_rest: bool,
+    segment: SegmentNumber,
+}
+
+/// The solve of a closed segment under way.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RegressionSolve<P: Plan> {
+    /// Row and pivot of the lower level that are merged next.
+    merged: (usize, usize),
+    solution: Solution,
+    /// Whether nothing is left but the constant and the checks of the result.
+    solved: bool,
+    work: Array<P::Parameters, f32>,
+}
+
+impl<P: Plan> Estimator<P> {
+    /// An empty segment.
+    #[must_use]
+    pub fn new(plan: P, constants: &Regression<P>) -> Self {
+        Self {
+            rows: Rows::new(plan, constants),
+            sums: Sums::new(plan),
+            count: 0,
+            motion: 0.0,
+            downweighted: 0,
+            resting: 0,
+            segment: SegmentNumber::FIRST,
+        }
+    }
+
+    /// Counts segments on from those of another estimator, so that no estimate of it passes for one of this.
+    pub fn after(self, before: &Self) -> Self {
+        Self { segment: before.segment.next(), ..self }
+    }
+
+    /// Takes an accepted sample; `y_limit` is the largest plausible output. Once the segment has as many rows as its
+    /// memory allows, nothing is added until the next segment.
+    #[inline(always)]
+    pub fn take(&mut self, plan: P, constants: &Regression<P>, inputs: Inputs, y_limit: f32) {
+        let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return };
+        let Some(row) = self.rows.push(plan, constants, inputs, y_limit) else { return };
+        if self.count >= longest(memory) && memory != Memory::Fading {
+            return;
+        }
+        if row.weight < 1.0 {
+            self.downweighted = self.downweighted.saturating_add(1);
+        }
+        if self.sums.add(memory, &row, constants.forgetting, constants.rest) {
+            self.count = self.count.saturating_add(1);
+            self.motion += row.motion;
+        } else {
+            self.resting = self.resting.saturating_add(1);
+        }
+    }
+
+    /// Stands in for a sample that is missing or was refused: the lags start anew.
+    #[cold]
+    #[inline(never)]
+    pub fn skip(&mut self, plan: P) {
+        self.rows.flush(plan);
+    }
+
+    /// Rows of less weight, rows that fading memory ignored, and segments in a row without a new auxiliary model.
+    #[must_use]
+    pub fn counts(&self) -> (u32, u32, u8) {
+        (self.downweighted, self.resting, self.rows.refused())
+    }
+
+    /// Rows of the open segment.
+    #[must_use]
+    pub const fn rows(&self) -> u32 {
+        self.count
+    }
+
+    /// A copy of the sums of the open segment; below the motion `rest` the inputs count as at rest.
+    #[inline(always)]
+    #[must_use]
+    pub fn sums(&self, plan: P, rest: f32) -> RegressionSums<P> {
+        let memory = plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory);
+        let at_rest = match memory {
+            Memory::Fading => self.resting > self.count,
+            Memory::Segment | Memory::LongSegment => self.motion < rest * self.count as f32,
+        };
+        RegressionSums {
+            sums: self.sums.clone(),
+            frame: self.rows.frame(plan),
+            count: self.count,
+            at_rest,
+            segment: self.segment,
+        }
+    }
+
+    /// Offers an estimate of the segment that was closed last as auxiliary model, to take over at the handover. Returns
+    /// `false`, and does nothing, if that is past, if it is the estimate of another segment, or if its model is not
+    /// stable.
+    pub fn adopt(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
+        let own = self.segment.follows(estimate.segment) && self.rows.awaits();
+        own && self.offer(plan, constants, estimate)
+    }
+
+    /// Offers the estimate of the open segment, before it is closed.
+    pub fn offer(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
+        let good = estimate.reason.is_none() && estimate.stable;
+        if good {
+            self.rows.offer(plan, constants, estimate.delta(), libm::sqrtf(estimate.variance));
+        }
+        good
+    }
+
+    /// Starts a segment; the lags continue.
+    #[inline(always)]
+    pub fn next_segment(&mut self, plan: P, constants: &Regression<P>) {
+        let memory = plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory);
+        self.sums.next_segment(memory);
+        self.rows.next_segment(plan, constants);
+        self.segment = self.segment.next();
+        (self.count, self.motion, self.downweighted, self.resting) = (0, 0.0, 0, 0);
+    }
+}
+
+#[cfg(test)]
+impl<P: Plan> RegressionSums<P> {
+    /// δ-parameters whose prediction was subtracted from the target column.
+    pub(super) fn base(&self) -> &[f32] {
+        self.frame.base.cells()
+    }
+}
+
+impl<P: Plan> RegressionSolve<P> {
+    /// Nothing solved yet.
+    #[must_use]
+    pub fn new(plan: P) -> Self {
+        let work = Cells::filled(plan.layout().parameters(), 0.0);
+        Self { merged: (0, 0), solution: Solution::new(), solved: false, work }
+    }
+
+    /// Does about `budget` instructions of the solve; `true` once the estimate is complete, or has its reason.
+    pub fn advance(
+        &mut self,
+        plan: P,
+        constants: &Regression<P>,
+        sums: &mut RegressionSums<P>,
+        estimate: &mut Estimate<P>,
+        budget: usize,
+    ) -> bool {
+        let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return true };
+        if !sums.sums.merge(&mut self.merged, budget) {
+            return false;
+        }
+        let outcome = if sums.at_rest {
+            Err(Reason::AtRest)
+        } else if self.solved {
+            finish(plan, sums, estimate);
+            Ok(true)
+        } else {
+            self.solve(plan, constants, sums, estimate, budget).map_err(|error| match error {
+                SolveError::TooFewRows => Reason::TooFewRows { part: Part::Regression, rows: sums.count },
+                SolveError::NotExcited(place) => Reason::ParameterNotExcited(u8::try_from(place).unwrap_or(u8::MAX)),
+                SolveError::WeakInstruments => Reason::WeakInstruments(Part::Regression),
+            })
+        };
+        match outcome {
+            Ok(solved) if !self.solved => {
+                self.solved = solved;
+                return false;
+            }
+            Ok(_) => {}
+            Err(reason) => estimate.reason = Some(reason),
+        }
+        let mass = sums.sums.mass(memory, constants.forgetting.lambda, sums.count);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of rows; `as` maps NaN and what is out of range to the ends"
+        )]
+        let rows = mass.rows as u32;
+        (estimate.rows, estimate.segment) = (rows, sums.segment);
+        if estimate.reason.is_some() {
+            estimate.delta.cells_mut().fill(0.0);
+            estimate.covariance.cells_mut().fill(0.0);
+            estimate.variance = 0.0;
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn solve(
+        &mut self,
+        plan: P,
+        constants: &Regression<P>,
+        sums: &mut RegressionSums<P>,
+        estimate: &mut Estimate<P>,
+        budget: usize,
+    ) -> Result<bool, SolveError> {
+        let Some(layout) = plan.layout().regression else { return Ok(true) };
+        let mass = sums.sums.mass(layout.memory, constants.forgetting.lambda, sums.count);
+        let unknown = sums.sums.unknown(layout.memory, constants.forgetting.floor);
+        let (d, r) = sums.sums.triangle_mut().parts_mut();
+        let (inputs, outputs) = layout.split();
+        let problem = &mut Problem {
+            d,
+            r,
+            inputs,
+            outputs,
+            scale: constants.scale.cells(),
+            base: sums.frame.base.cells(),
+            mass,
+            gain: sums.frame.gain,
+        };
+        if let Some(column) = unknown {
+            return Err(SolveError::NotExcited(problem.place(column)));
+        }
+        let solved = &mut Solved {
+            delta: estimate.delta.cells_mut(),
+            covariance: estimate.covariance.cells_mut(),
+            variance: &mut estimate.variance,
+            work: self.work.cells_mut(),
+        };
+        // Known at compile time. With a shaft, whose balance needs instruments, one copy of the code serves both.
+        if outputs == 0 && plan.layout().shaft.is_none() {
+            self.solution.advance::<false>(problem, solved, budget)
+        } else {
+            self.solution.advance::<true>(problem, solved, budget)
+        }
+    }
+}
+
+/// Restores the constant, and checks that the result can be used.
+fn finish<P: Plan>(plan: P, sums: &RegressionSums<P>, estimate: &mut Estimate<P>) {
+    // Known at compile time: a plan without a constant carries no code for one.
+    if plan.layout().regression.is_some_and(|regression| regression.structure.offset) {
+        estimate.restore_constant(sums.frame.origin);
+    }
+    estimate.reason = if estimate.is_finite() { None } else { Some(Reason::NotFinite(Part::Regression)) };
+    let outputs = plan.layout().regression.map_or(0, |regression| regression.split().1);
+    estimate.stable = outputs == 0 || is_stable(estimate.delta().get(..outputs).unwrap_or(&[]));
+}

@@ -1,0 +1,17 @@
+//! Current, velocity and load → [`Friction`], by least squares of the torque balance.
+//!
+//! Enters: the signals of a sample. Leaves: the sums of a segment, which are solved for the friction, and the
+//! parameters at present, with which [`super::orders`] forms the residual of each sample.
+
+mod friction;
+mod rows;
+mod solve;
+mod state_variable;
+
+pub use friction::{Friction, Parameter};
+pub use rows::{Balance, TERMS, Torques};
+pub use state_variable::StateVariable;
+pub(super) use {
+    rows::{BalanceState, BalanceSums, Frictions},
+    solve::BalanceSolve,
+};

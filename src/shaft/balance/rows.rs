@@ -1,0 +1,411 @@
+//! Torque balance of the shaft → rows of least squares, and the parameters that hold at present.
+//!
+//! Enters: current i, velocity ω, load torque T. Leaves: [`BalanceSums`], which [`super::solve`] solves once a
+//! segment, and the parameters with which [`orders`](crate::shaft::orders) forms the residual of each sample.
+//!
+//! ```text
+//! i = p₀ ω̇ + p₁ ω + p₂ s + p₃ T + p₄ + p₅ |T| s + p₆ s/(1 + (ω/ω_s)²)                                 (1)
+//! s = clamp(ω/ω_r, −1, 1)                                                                             (2)
+//! p₀ = J/Kt,  p₁ = B/Kt,  p₂ = Tc/Kt,  p₃ = 1/Kt,  p₄: offsets,  p₅ = μ/Kt,  p₆ = (Ts − Tc)/Kt        (3)
+//! p₇ = p₂ + p₁ ω₀ + p₅ T₀ + p₆/(1 + (ω₀/ω_s)²),   the drag at a usual velocity ω₀ and load T₀         (4)
+//! ```
+//!
+//! p₅ is friction in proportion to the load (μ = 1/η − 1 of a screw of efficiency η), p₆ the Stribeck part of friction:
+//! the excess of break-away friction Ts over sliding friction Tc. All signals of (1) pass the same [`StateVariable`]
+//! filter, which gives ω̇ without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of
+//! the *measured* velocity: under a fluctuating load the velocity reverses when the reference does not, and friction
+//! follows the velocity. The current is the output because the load is usually known better; therefore all parameters
+//! are in amperes.
+//!
+//! Each segment starts from a weak prior, the healthy parameters with [`Balance::prior`] as their deviations, as if
+//! earlier rows had given them. A parameter that the motion does not excite keeps its prior: at constant speed p₁ and
+//! p₂ cannot be separated, their deviations are large, and their errors cancel in (4). A prior draws its parameter
+//! towards the healthy value; for features of a classifier its effect is removed:
+//!
+//! ```text
+//! p′ = n + (p − n)/c,   σ′² = σ²/c,   c = 1 − σ² σ₀²/(prior² s²)                                        (5)
+//! ```
+//!
+//! n is nominal, s² the variance of the residual and σ₀² that of healthy ones: the precision of p is the sum of that of
+//! the rows, c/σ², and of its own prior. The priors of the other terms and of p₇ stay. c is at least 1/64.
+//!
+//! A row is rotated into the sums one pivot a sample, so that the work is distributed. After every
+//! [`ROWS_A_REFRESH`] rows the time of one row is used for a back substitution, one parameter a sample: the present
+//! parameters then follow the segment. If the nominal parameters fit better than an estimate of a part of a segment,
+//! they are kept ([`Balance::own_from_rows`]).
+//!
+//! `cargo xtask measure` prints instructions and state of a detector with it.
+
+use core::hint::black_box;
+
+use super::friction::{Friction, Parameter};
+use super::state_variable::{Cell, StateVariable};
+use crate::reason::FrictionTerm;
+use crate::regression::factor::NEVER;
+use crate::regression::factor::kernels::{packed, pairs, rotate_pivot, rotate_pivot_small};
+
+/// Number of parameters of (1).
+pub const TERMS: usize = 7;
+const COLUMNS: usize = TERMS + 1;
+const PACKED: usize = COLUMNS * (COLUMNS - 1) / 2;
+/// Rows between two back substitutions.
+const ROWS_A_REFRESH: u8 = 16;
+/// Least c of (5): a smaller one consists of rounding errors.
+const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
+/// The terms of (1) in a plan without a load.
+const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
+const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];
+
+/// Constants of the torque balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Balance {
+    /// Sampling interval Ts.
+    pub interval_s: f32,
+    /// The low-pass before the rows of (1).
+    pub filter: StateVariable,
+    /// Samples from row to row.
+    pub row_interval: u8,
+    /// Samples withheld until the filters have settled.
+    pub settle: u16,
+    /// `ω_r` of (2): about three standard deviations of the velocity's noise.
+    pub sign_velocity_rad_s: f32,
+    /// `ω_s` of (1).
+    pub stribeck_velocity_rad_s: f32,
+    /// ω₀ of (4).
+    pub usual_velocity_rad_s: f32,
+    /// T₀ of (4).
+    pub usual_load_nm: f32,
+    /// Rows per independent row: the filter makes neighbouring rows alike.
+    pub row_spread: f32,
+    /// Power-of-two factors of the columns of (1) and of i that scale them to rms ≈ 1.
+    pub scale: [f32; COLUMNS],
+    /// p₀ … p₆ of the healthy drive.
+    pub nominal: [f32; TERMS],
+    /// Prior deviations of p₀ … p₆.
+    pub prior: [f32; TERMS],
+    /// Standard deviation of a healthy row's residual, A.
+    pub deviation: f32,
+    /// Number of rows of a segment after which the residual of the orders is formed with the segment's own parameters;
+    /// until then it is formed with those of the segment before. With 65535 it is always formed with the nominal ones.
+    pub own_from_rows: u16,
+}
+
+/// The signals of the balance at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Torques {
+    /// Current.
+    pub current_a: f32,
+    /// Velocity.
+    pub velocity_rad_s: f32,
+    /// Load torque.
+    pub load_nm: f32,
+}
+
+/// The terms of (1) that do not follow from another by a filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::shaft) struct Frictions {
+    pub sign: f32,
+    pub load: f32,
+    pub stribeck: f32,
+}
+
+impl Balance {
+    /// A parameter as the rows of a segment alone determine it, and its variance: without its prior, by (5), for
+    /// features of a classifier. The drag keeps the priors of its terms; a parameter that was not estimated is 0
+    /// without error.
+    #[inline(never)]
+    #[must_use]
+    pub fn without_prior(&self, friction: &Friction, term: FrictionTerm) -> (f32, f32) {
+        let Parameter { value, deviation, score } = *friction.of(term).unwrap_or(&Parameter::NONE);
+        let variance = deviation * deviation;
+        let Some(prior) = self.prior.get(term as usize) else { return (value, variance) };
+        let ratio = self.deviation / prior;
+        // f32::max returns the limit if the part is not a number.
+        let part = (1.0 - ratio * ratio * variance / friction.variance.max(f32::MIN_POSITIVE)).max(LEAST_FROM_ROWS);
+        // The score is p − n in deviations.
+        (value + score * deviation * (1.0 / part - 1.0), variance / part)
+    }
+
+    #[inline(always)]
+    pub(in crate::shaft) fn frictions(&self, now: &Torques) -> Frictions {
+        let sign = (now.velocity_rad_s / self.sign_velocity_rad_s).clamp(-1.0, 1.0); // (2)
+        let ratio = now.velocity_rad_s / self.stribeck_velocity_rad_s;
+        Frictions { sign, load: now.load_nm.abs() * sign, stribeck: sign / (1.0 + ratio * ratio) }
+    }
+
+    /// The terms that a plan estimates, in the order of the columns.
+    #[inline(always)]
+    pub(in crate::shaft) const fn terms(load: bool) -> &'static [usize] {
+        if load { &WITH_LOAD } else { &WITHOUT_LOAD }
+    }
+
+    /// The coefficient of each of p₀ … p₆ in the drag (4).
+    pub(in crate::shaft) fn in_drag(&self) -> [f32; TERMS] {
+        let ratio = self.usual_velocity_rad_s / self.stribeck_velocity_rad_s;
+        [0.0, self.usual_velocity_rad_s, 1.0, 0.0, 0.0, self.usual_load_nm, 1.0 / (1.0 + ratio * ratio)]
+    }
+
+    pub(in crate::shaft) fn scale_of(&self, term: usize) -> f32 {
+        self.scale.get(term).copied().unwrap_or(1.0)
+    }
+}
+
+/// The sums of the balance, and the row that is being rotated into them. Without a load there are two columns less.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BalanceSums {
+    pub(in crate::shaft) d: [f32; COLUMNS],
+    pub(in crate::shaft) r: [f32; PACKED],
+    row: [f32; COLUMNS],
+    weight: f32,
+    /// The next pivot of the row; all are done from `COLUMNS` on.
+    pivot: usize,
+    pub(in crate::shaft) rows: u32,
+}
+
+impl BalanceSums {
+    /// Holds the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
+    #[inline(never)]
+    pub(in crate::shaft) fn new(balance: &Balance, load: bool) -> Self {
+        let zero =
+            Self { d: [0.0; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 };
+        // Hidden from the compiler, which would unroll the loop to much larger code.
+        let (terms, target) = (black_box(Balance::terms(load)), balance.scale_of(TERMS));
+        let mut sums = zero;
+        let mut k = 0_usize;
+        for &term in terms {
+            let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
+            let own = balance.scale_of(term);
+            let ratio = balance.deviation * own / at(&balance.prior);
+            if let Some(d) = sums.d.get_mut(k) {
+                *d = balance.row_spread * ratio * ratio;
+            }
+            let columns = columns(load);
+            if let Some(r) = sums.r.get_mut(packed(columns, k, columns.wrapping_sub(1))) {
+                *r = at(&balance.nominal) * target / own;
+            }
+            k = k.wrapping_add(1);
+        }
+        sums
+    }
+
+    /// Takes a row, to be rotated in by [`BalanceSums::rotate`].
+    #[inline(always)]
+    pub(in crate::shaft) fn start(&mut self, row: [f32; COLUMNS]) {
+        (self.row, self.weight, self.pivot) = (row, 1.0, 0);
+    }
+
+    /// Rotates in the next pivot; returns whether one was left.
+    #[inline(always)]
+    pub(in crate::shaft) fn rotate(&mut self, load: bool) -> bool {
+        self.rotate_by(load, |d, r, x, later, weight| rotate_pivot::<false>(d, r, x, later, weight, NEVER))
+    }
+
+    #[inline(always)]
+    fn rotate_by(&mut self, load: bool, pivot: impl Fn(&mut f32, &mut [f32], f32, &mut [f32], &mut f32)) -> bool {
+        let (i, columns) = (self.pivot, columns(load));
+        if i >= columns {
+            return false;
+        }
+        self.pivot = i.wrapping_add(1);
+        let start = packed(columns, i, i.wrapping_add(1));
+        let (d, r) = (self.d.get_mut(i), self.r.get_mut(start..));
+        let row = self.row.get_mut(i..columns).and_then(<[f32]>::split_first_mut);
+        if let (Some(d), Some(r), Some((x, later))) = (d, r, row) {
+            pivot(d, r, *x, later, &mut self.weight);
+        }
+        true
+    }
+
+    /// Rotates in the next pivots for about `budget` instructions; returns whether one was left.
+    #[inline(never)]
+    pub(in crate::shaft) fn rotate_some(&mut self, load: bool, budget: usize) -> bool {
+        let before = self.pivot;
+        let mut spent = 0_usize;
+        while spent < budget && self.rotate_by(load, rotate_pivot_small) {
+            spent = spent.saturating_add(PIVOT);
+        }
+        self.pivot > before
+    }
+
+    /// Sum of squares of the target that the terms and the prior explain, relative to that of the residual.
+    #[inline(never)]
+    pub(in crate::shaft) fn explained(&self, load: bool) -> f32 {
+        let last = columns(load).wrapping_sub(1);
+        // r is stored by rows, each one element shorter than the one before: these are the last ones.
+        let (mut k, mut place, mut sum) = (0_usize, last, 0.0);
+        while k < last {
+            let (d, r) = (self.d.get(k).copied(), self.r.get(place.wrapping_sub(1)).copied());
+            let r = r.unwrap_or(0.0);
+            sum += d.unwrap_or(0.0) * r * r;
+            // Hidden from the compiler, which would unroll the loop to larger code.
+            k = black_box(k.wrapping_add(1));
+            place = place.wrapping_add(last).wrapping_sub(k);
+        }
+        sum / self.d.get(last).copied().unwrap_or(0.0)
+    }
+
+    /// Scaled parameter k by back substitution; `later` holds those after it.
+    #[inline(always)]
+    fn substitute(&self, columns: usize, k: usize, later: &[f32]) -> f32 {
+        let row = self.r.get(packed(columns, k, k.wrapping_add(1))..).unwrap_or(&[]);
+        let target = row.get(later.len()).copied().unwrap_or(0.0);
+        pairs(row, later).fold(target, |rest, (r, p)| rest - r * p)
+    }
+}
+
+/// Instructions of the longest pivot, about.
+const PIVOT: usize = 160;
+
+#[inline(always)]
+pub(in crate::shaft) const fn columns(load: bool) -> usize {
+    if load { COLUMNS } else { WITHOUT_LOAD.len() + 1 }
+}
+
+/// Running state.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BalanceState {
+    current: Cell,
+    velocity: Cell,
+    load: Cell,
+    sign: Cell,
+    load_friction: Cell,
+    stribeck: Cell,
+    sums: BalanceSums,
+    /// Samples until the next row.
+    due: u16,
+    /// Pivots rotated in at each sample.
+    pivots: u8,
+    /// Rows until the next back substitution.
+    refresh: u8,
+    /// Parameters left in the present back substitution.
+    left: usize,
+    /// Its scaled parameters.
+    scaled: [f32; TERMS],
+    /// p₀ … p₆ that hold at present.
+    present: [f32; TERMS],
+}
+
+impl BalanceState {
+    pub(in crate::shaft) fn new(balance: &Balance, load: bool) -> Self {
+        let cell = Cell::at(0.0);
+        Self {
+            current: cell,
+            velocity: cell,
+            load: cell,
+            sign: cell,
+            load_friction: cell,
+            stribeck: cell,
+            sums: BalanceSums::new(balance, load),
+            due: 0,
+            pivots: 8_u8.div_ceil(balance.row_interval.max(1)),
+            refresh: ROWS_A_REFRESH,
+            left: 0,
+            scaled: [0.0; TERMS],
+            present: balance.nominal,
+        }
+    }
+
+    /// The first sample, or the first after a long gap: all filters start at rest on it.
+    #[cold]
+    #[inline(never)]
+    pub(in crate::shaft) fn start(&mut self, balance: &Balance, now: &Torques) {
+        let Frictions { sign, load, stribeck } = balance.frictions(now);
+        self.current = Cell::at(now.current_a);
+        self.velocity = Cell::at(now.velocity_rad_s);
+        self.load = Cell::at(now.load_nm);
+        self.sign = Cell::at(sign);
+        self.load_friction = Cell::at(load);
+        self.stribeck = Cell::at(stribeck);
+        self.due = balance.settle.saturating_add(1);
+    }
+
+    /// Takes the next sample with its friction terms; a sample that is not `good` gives no row.
+    #[inline(always)]
+    pub(in crate::shaft) fn step(
+        &mut self,
+        balance: &Balance,
+        load: bool,
+        now: &Torques,
+        frictions: &Frictions,
+        good: bool,
+    ) {
+        let bank = &balance.filter;
+        let (i, _) = self.current.step(bank, now.current_a);
+        let (w, slope) = self.velocity.step(bank, now.velocity_rad_s);
+        let (s, _) = self.sign.step(bank, frictions.sign);
+        let (b, _) = self.stribeck.step(bank, frictions.stribeck);
+        let (t, q) = if load {
+            (self.load.step(bank, now.load_nm).0, self.load_friction.step(bank, frictions.load).0)
+        } else {
+            (0.0, 0.0)
+        };
+        if self.left > 0 {
+            self.substitute(balance, load);
+        }
+        for _ in 0..self.pivots {
+            if !self.sums.rotate(load) {
+                break;
+            }
+        }
+        if self.due > 1 {
+            self.due = self.due.wrapping_sub(1);
+            return;
+        }
+        self.due = u16::from(balance.row_interval);
+        self.refresh = self.refresh.wrapping_sub(1);
+        if self.refresh == 0 {
+            self.refresh = ROWS_A_REFRESH;
+            if self.sums.rows >= u32::from(balance.own_from_rows) && balance.own_from_rows < u16::MAX {
+                self.left = columns(load).wrapping_sub(1);
+            }
+        } else if good {
+            let [k0, k1, k2, k3, k4, k5, k6, k7] = balance.scale;
+            let (a, w, s, b, i) = (slope * bank.rate_per_s * k0, w * k1, s * k2, b * k6, i * k7);
+            let row = if load { [a, w, s, t * k3, k4, q * k5, b, i] } else { [a, w, s, k4, b, i, 0.0, 0.0] };
+            self.sums.start(row);
+            self.sums.rows = self.sums.rows.saturating_add(1);
+        }
+    }
+
+    /// One parameter of the back substitution; with the last one they hold.
+    #[inline(never)]
+    fn substitute(&mut self, balance: &Balance, load: bool) {
+        let (columns, terms) = (columns(load), Balance::terms(load));
+        let k = self.left.wrapping_sub(1);
+        let value = self.sums.substitute(columns, k, self.scaled.get(self.left..terms.len()).unwrap_or(&[]));
+        if let Some(cell) = self.scaled.get_mut(k) {
+            *cell = value;
+        }
+        self.left = k;
+        if k == 0 {
+            let target = balance.scale_of(TERMS);
+            for (&term, scaled) in pairs(black_box(terms), &self.scaled) {
+                if let Some(cell) = self.present.get_mut(term) {
+                    *cell = scaled * balance.scale_of(term) / target;
+                }
+            }
+        }
+    }
+
+    /// p₀ … p₆ that hold at present.
+    #[inline(always)]
+    pub(in crate::shaft) const fn present(&self) -> &[f32; TERMS] {
+        &self.present
+    }
+
+    /// The sums so far.
+    #[inline(always)]
+    pub(in crate::shaft) const fn sums(&self) -> &BalanceSums {
+        &self.sums
+    }
+
+    #[inline(always)]
+    pub(in crate::shaft) fn next_segment(&mut self, balance: &Balance, load: bool) {
+        self.sums = BalanceSums::new(balance, load);
+        (self.left, self.refresh) = (0, ROWS_A_REFRESH);
+    }
+}

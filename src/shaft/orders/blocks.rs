@@ -1,0 +1,93 @@
+//! The orders to track, and how blocks of them are formed and compared.
+
+use crate::plan::{Array, MAX_HARMONICS, Plan};
+
+/// Blocks back to which products are formed, and cells apart up to which they are kept.
+pub const LAGS: usize = PLACES as usize;
+pub(super) const PLACES: u8 = 6;
+/// Number of control orders.
+pub const CONTROLS: usize = 4;
+/// Fewer blocks than this do not determine noise and phase.
+pub const MIN_BLOCKS: u32 = 4;
+/// Most blocks of a segment: sums of more in single precision would lose digits. [`least_samples`] bounds them.
+pub const MAX_BLOCKS: u32 = 1_000_000;
+
+/// Samples that a block takes at least: one finds its end, and then each sample closes an order and harmonic, a control
+/// order, or the block.
+pub const fn least_samples(orders: u8, harmonics: u8) -> u64 {
+    (orders as u64).saturating_mul(harmonics as u64).saturating_add(CONTROLS as u64 + 2)
+}
+
+/// An order to track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TrackedOrder {
+    /// `O_q` of (1).
+    pub order_q16: i32,
+    /// Weights of the harmonics; none negative, not all zero.
+    pub weights: [f32; MAX_HARMONICS],
+    /// Relative change of this order for a relative change of one of the cage's order. Ball passes of the outer ring
+    /// have 1, those of the inner ring −outer/inner.
+    pub slip_ratio: f32,
+}
+
+impl TrackedOrder {
+    /// From the order in events a turn, at most 1e4, and the weights of the harmonics; it slips as the cage does.
+    #[must_use]
+    pub const fn new(order: f32, weights: [f32; MAX_HARMONICS]) -> Self {
+        Self { order_q16: q16(order), weights, slip_ratio: 1.0 }
+    }
+
+    /// The order in events a turn.
+    #[must_use]
+    pub const fn order(&self) -> f32 {
+        self.order_q16 as f32 / 65_536.0
+    }
+}
+
+/// An order in counts of 2⁻¹⁶.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "`as` maps NaN to zero and what is out of range to the ends")]
+pub const fn q16(order: f32) -> i32 {
+    (order * 65_536.0 + 0.5) as i32
+}
+
+/// The orders and the blocks.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Tracking<P: Plan> {
+    /// The orders.
+    pub orders: Array<P::Orders, TrackedOrder>,
+    /// Blocks, slip and noise.
+    pub blocks: Blocks,
+}
+
+/// How blocks are formed and compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Blocks {
+    /// Orders at which no bearing and no rotor has an effect, in counts of 2⁻¹⁶.
+    pub controls: [i32; CONTROLS],
+    /// Width of a cell is 2ⁿ turns.
+    pub cell_turns_log2: i8,
+    /// Largest relative slip of the cage that is searched.
+    pub slip: f32,
+    /// Velocity `ω_g` up to which a sample does not count; from twice that on it counts fully.
+    pub slowest_rad_s: f32,
+    /// α of the residual's filter.
+    pub pole: f32,
+    /// γ of the residual's high-pass; 0 for none.
+    pub high_pass: f32,
+}
+
+impl Blocks {
+    /// Without orders.
+    pub const EMPTY: Self = Self {
+        controls: [1 << 16; CONTROLS],
+        cell_turns_log2: 0,
+        slip: 0.0,
+        slowest_rad_s: 1.0,
+        pole: 0.0,
+        high_pass: 0.0,
+    };
+}

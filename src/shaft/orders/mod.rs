@@ -1,0 +1,32 @@
+//! Motion and residual → strength and slip of each order of a bearing.
+//!
+//! Enters: the angle, and the signals and present parameters of [`super::balance`]. Leaves: an [`OrderStrength`] for
+//! each order.
+//!
+//! ```text
+//! bearing     orders from the geometry            blocks   orders to track, cells of the angle
+//! residual    the residual, whitened ─► tracking ─► line: block phasors and their products ─► slip
+//!                                         └─ noise: the control orders ───────────────────────▲
+//! ```
+
+mod bearing;
+mod blocks;
+mod line;
+mod noise;
+mod phasor;
+mod residual;
+mod slip;
+mod tracking;
+
+pub use bearing::Bearing;
+pub use blocks::{Blocks, CONTROLS, TrackedOrder, Tracking, q16};
+#[cfg(feature = "internals")]
+pub use blocks::{LAGS, MIN_BLOCKS};
+pub(crate) use blocks::{MAX_BLOCKS, least_samples};
+pub use slip::OrderStrength;
+pub(super) use {
+    noise::NoiseLine,
+    residual::ResidualState,
+    slip::{SlipRange, SlipSearch},
+    tracking::{OrderSums, OrderTracking},
+};

@@ -1,0 +1,301 @@
+//! The shaft at each sample: constants, running state, the sums of a segment and their estimate.
+
+use core::f32::consts::TAU;
+
+use super::balance::{Balance, BalanceState, BalanceSums, Friction, Torques};
+use super::delays::{Delay, Delays, Lags, RING};
+use super::orders::{OrderStrength, OrderSums, OrderTracking, ResidualState, Tracking};
+use super::plausibility;
+use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
+use crate::reason::{Implausible, Part, Reason};
+use crate::signal::{Angle, Travel, TravelSums, read};
+
+/// A count of 2⁻³² turn, rad.
+const RAD_A_COUNT: f32 = TAU / 4_294_967_296.0;
+/// Velocity from which motion is compared with the angle, in units of [`Balance::sign_velocity_rad_s`], which is three
+/// standard deviations of the velocity's noise: an offset of one deviation is then 1/12 of the velocity.
+const SLOWEST: f32 = 4.0;
+/// Lost samples in a row that are bridged.
+pub const BRIDGE: u8 = 8;
+
+/// Constants of the shaft.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftConstants<P: Plan> {
+    /// Lags of the signals.
+    pub lags: Lags,
+    /// The torque balance.
+    pub balance: Balance,
+    /// The bearing orders.
+    pub tracking: Tracking<P>,
+}
+
+/// The shaft in one segment.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftEstimate<P: Plan> {
+    /// Torque balance; zeros if there is a reason.
+    pub friction: Friction,
+    /// Why there is no torque balance.
+    pub friction_reason: Option<Reason>,
+    pub(crate) orders: Array<P::Orders, OrderStrength>,
+    /// Why there are no orders.
+    pub orders_reason: Option<Reason>,
+    /// Part of the segment's samples with a residual of measured samples only, 0 … 1.
+    pub usable: f32,
+    /// The integral of the velocity over the motion of the angle, 1 if rate, unit and sign are right; `None` without a
+    /// channel of the velocity, or if the shaft hardly moved.
+    pub velocity_ratio: Option<f32>,
+}
+
+impl<P: Plan> ShaftEstimate<P> {
+    /// No estimate.
+    pub(crate) fn empty(plan: P) -> Self {
+        let few = |part| Some(Reason::TooFewRows { part, rows: 0 });
+        Self {
+            friction: Friction::default(),
+            friction_reason: few(Part::TorqueBalance),
+            orders: Cells::filled(plan.layout().orders(), OrderStrength::default()),
+            orders_reason: few(Part::Orders),
+            usable: 0.0,
+            velocity_ratio: None,
+        }
+    }
+
+    /// Compares velocity and angle by the sums; returns what is wrong with the signals by motion and torque balance,
+    /// `None` if nothing is, or nothing is known.
+    pub(crate) fn contradiction(&mut self, constants: &ShaftConstants<P>, sums: &ShaftSums<P>) -> Option<Implausible> {
+        self.velocity_ratio = sums.travel.ratio(constants.balance.interval_s);
+        let friction = self.friction_reason.is_none().then_some(&self.friction);
+        plausibility::of_motion(self.velocity_ratio).or_else(|| {
+            let friction = friction?;
+            let explained = sums.balance.explained(friction.inverse_torque_constant.is_some());
+            plausibility::of_balance(&constants.balance, friction, explained)
+        })
+    }
+
+    /// The bearing orders, in the order of [`Tracking::orders`], amplitudes in A; zeros if there is a reason.
+    #[must_use]
+    pub fn orders(&self) -> &[OrderStrength] {
+        self.orders.cells()
+    }
+}
+
+/// The signals of a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Moment {
+    torques: Torques,
+    angle: Angle,
+}
+
+/// Samples seen and used in a segment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Usage {
+    pub(super) seen: u32,
+    pub(super) used: u32,
+}
+
+/// Running state of the shaft.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Shaft<P: Plan> {
+    ring: [Moment; RING as usize],
+    place: u8,
+    /// Samples until the ring is full and the filters have started.
+    filling: u8,
+    /// Lost samples in a row.
+    lost: u8,
+    /// Samples until the residual contains measured ones only.
+    spoilt: u8,
+    delays: Delays,
+    /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start
+    /// anywhere.
+    angle: Angle,
+    usage: Usage,
+    travel: Travel,
+    balance: BalanceState,
+    residual: ResidualState,
+    orders: OrderTracking<P>,
+}
+
+/// A closed segment's sums of the shaft, separate from the running state.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftSums<P: Plan> {
+    pub(super) balance: BalanceSums,
+    pub(super) orders: OrderSums<P>,
+    pub(super) usage: Usage,
+    travel: TravelSums,
+}
+
+impl<P: Plan> Shaft<P> {
+    /// Nothing sampled yet.
+    #[must_use]
+    pub fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
+        let load = plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some());
+        Self {
+            ring: [Moment::default(); RING as usize],
+            place: 0,
+            filling: FILLING,
+            lost: 0,
+            spoilt: 0,
+            delays: Delays::of(&constants.lags),
+            angle: Angle::ZERO,
+            usage: Usage::default(),
+            travel: Travel::default(),
+            balance: BalanceState::new(&constants.balance, load),
+            residual: ResidualState::new(),
+            orders: OrderTracking::new(plan),
+        }
+    }
+
+    /// Takes a sample; `good` says whether all channels of the shaft may be used.
+    #[inline(always)]
+    pub fn step(&mut self, plan: P, constants: &ShaftConstants<P>, sample: &P::Sample, good: bool) {
+        let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = plan.layout().shaft else {
+            return;
+        };
+        let has_load = load.is_some();
+        let last = self.back(0);
+        self.place = self.place.wrapping_add(1) % RING;
+        let moment = if good {
+            let velocity_rad_s = match velocity {
+                Some(velocity) => read(velocity, sample),
+                None => self.mean_velocity_rad_s(constants.balance.interval_s, sample.angle(), &last),
+            };
+            self.lost = 0;
+            let load_nm = load.map_or(0.0, |load| read(load, sample));
+            let current_a = read(current, sample);
+            Moment { torques: Torques { current_a, velocity_rad_s, load_nm }, angle: sample.angle() }
+        } else {
+            self.lose(velocity.is_none());
+            last
+        };
+        if let Some(cell) = self.ring.get_mut(self.place as usize) {
+            *cell = moment;
+        }
+        let watched = velocity.is_some();
+        let [current, velocity, load, angle] = self.delays.all();
+        let now = Torques {
+            current_a: self.between(current, |moment| moment.torques.current_a),
+            velocity_rad_s: self.between(velocity, |moment| moment.torques.velocity_rad_s),
+            load_nm: if has_load { self.between(load, |moment| moment.torques.load_nm) } else { 0.0 },
+        };
+        let angle = self.angle_back(angle);
+        let turned = angle.since(core::mem::replace(&mut self.angle, angle));
+        self.usage.seen = self.usage.seen.saturating_add(1);
+        if self.filling > 0 {
+            self.travel.restart();
+            self.orders.turn_unwatched(turned);
+            self.fill(constants, &now);
+            return;
+        }
+        let clean = self.spoilt == 0;
+        if clean {
+            self.usage.used = self.usage.used.saturating_add(1);
+        } else {
+            self.spoilt = self.spoilt.wrapping_sub(1);
+            self.travel.restart();
+        }
+        // A velocity of the angle agrees with it.
+        if watched && clean && self.travel.step(turned, now.velocity_rad_s) {
+            self.travel.close(SLOWEST * constants.balance.sign_velocity_rad_s * constants.balance.interval_s);
+        }
+        let frictions = constants.balance.frictions(&now);
+        self.balance.step(&constants.balance, has_load, &now, &frictions, clean);
+        if orders > 0 {
+            let tracking = &constants.tracking;
+            let p = self.balance.present();
+            let residual = self.residual.step(&constants.balance, &tracking.blocks, p, &now, &frictions, clean);
+            self.orders.step(harmonics, tracking, turned, residual);
+        }
+    }
+
+    /// The mean velocity since the last good sample. Over lost samples the shaft may turn more than half a turn: the
+    /// velocity is that next to the last one.
+    #[inline(always)]
+    fn mean_velocity_rad_s(&self, interval_s: f32, angle: Angle, last: &Moment) -> f32 {
+        let turned_rad = angle.since(last.angle) as f32 * RAD_A_COUNT;
+        if self.lost == 0 {
+            return turned_rad / interval_s;
+        }
+        let passed_s = interval_s * f32::from(self.lost.saturating_add(1));
+        let turns = (last.torques.velocity_rad_s * passed_s - turned_rad) / TAU;
+        (turned_rad + libm::rintf(turns) * TAU) / passed_s
+    }
+
+    /// Counts a lost sample; too many in a row are not bridged. A velocity that is `differenced` is that between a
+    /// sample and the last one, so that a lost sample spoils one more.
+    #[cold]
+    #[inline(never)]
+    fn lose(&mut self, differenced: bool) {
+        self.lost = self.lost.saturating_add(1);
+        self.spoilt = self.delays.spoilt.saturating_add(u8::from(differenced));
+        if self.lost > BRIDGE {
+            self.filling = FILLING;
+        }
+    }
+
+    /// Counts a sample that only fills the ring; with the last of them the filters start.
+    #[cold]
+    #[inline(never)]
+    fn fill(&mut self, constants: &ShaftConstants<P>, now: &Torques) {
+        self.filling = self.filling.saturating_sub(1);
+        if self.filling == 0 {
+            self.balance.start(&constants.balance, now);
+            self.residual = ResidualState::new();
+            // A sample lost meanwhile is still in the delays.
+            self.spoilt = self.spoilt.max(1);
+        }
+    }
+
+    #[inline(always)]
+    fn back(&self, samples: u8) -> Moment {
+        let place = self.place.wrapping_sub(samples) % RING;
+        self.ring.get(place as usize).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn between(&self, delay: Delay, pick: impl Fn(&Moment) -> f32) -> f32 {
+        let (newer, older) = (pick(&self.back(delay.whole)), pick(&self.back(delay.whole.wrapping_add(1))));
+        newer + delay.part * (older - newer)
+    }
+
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "a part of the angle between two samples, which is an i32")]
+    fn angle_back(&self, delay: Delay) -> Angle {
+        let (newer, older) = (self.back(delay.whole).angle, self.back(delay.whole.wrapping_add(1)).angle);
+        let part = delay.part * older.since(newer) as f32;
+        newer.plus(Angle::from_bits((part as i32).cast_unsigned()))
+    }
+
+    /// A copy of the sums of the open segment.
+    #[inline(always)]
+    #[must_use]
+    pub fn sums(&self) -> ShaftSums<P> {
+        ShaftSums {
+            balance: self.balance.sums().clone(),
+            orders: self.orders.sums(),
+            usage: self.usage,
+            travel: self.travel.sums(),
+        }
+    }
+
+    /// Starts a segment; filters and phases continue.
+    #[inline(always)]
+    pub fn next_segment(&mut self, plan: P, constants: &ShaftConstants<P>) {
+        let load = plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some());
+        self.balance.next_segment(&constants.balance, load);
+        self.orders.next_segment();
+        self.usage = Usage::default();
+        self.travel.next_segment();
+    }
+}
+
+/// Samples until the ring is full, and the sample that starts the filters.
+const FILLING: u8 = RING + 1;
+
+#[cfg(test)]
+pub(crate) mod tests;

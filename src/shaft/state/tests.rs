@@ -1,0 +1,118 @@
+use super::*;
+use crate::plan::{Layout, RunTime, RunTimeSample, ShaftLayout, Signal};
+use crate::shaft::{Blocks, ShaftSolve, StateVariable};
+use std::vec;
+
+/// Current, velocity, load.
+fn plan() -> RunTime {
+    let [current, velocity, load] = [0, 1, 2].map(Signal::channel);
+    let shaft = ShaftLayout { current, velocity: Some(velocity), load: Some(load), orders: 0, harmonics: 1 };
+    let layout = Layout { channels: 3, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
+    RunTime::of(layout).unwrap()
+}
+
+pub fn balance() -> Balance {
+    Balance {
+        interval_s: 0.001,
+        filter: StateVariable::new(0.05, 0.001),
+        row_interval: 4,
+        settle: 50,
+        sign_velocity_rad_s: 1.0,
+        stribeck_velocity_rad_s: 4.0,
+        usual_velocity_rad_s: 20.0,
+        usual_load_nm: 0.0,
+        row_spread: 1.0,
+        scale: [0.015_625, 0.062_5, 1.0, 8.0, 1.0, 8.0, 1.0, 1.0],
+        nominal: [0.005, 0.002, 0.1, 20.0, 0.05, 0.0, 0.0],
+        prior: [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1.0],
+        deviation: 0.001,
+        own_from_rows: 48,
+    }
+}
+
+fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
+    let balance = balance();
+    let tracking = Tracking { orders: vec![], blocks: Blocks::EMPTY };
+    ShaftConstants { lags: Lags { current: current_lag, ..Lags::default() }, balance, tracking }
+}
+
+/// The friction of a shaft whose current lags by `lag` samples.
+fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Friction, Reason> {
+    let (plan, constants) = (plan(), constants(current_lag));
+    let mut shaft = Shaft::new(plan, &constants);
+    let signals = |t: f64| {
+        let w = 30.0 * (4.0 * t).sin() + 8.0 * (17.0 * t).sin();
+        let dw = 120.0 * (4.0 * t).cos() + 136.0 * (17.0 * t).cos();
+        let load = 0.1 * (9.0 * t).sin();
+        (w, load, 0.006 * dw + 0.003 * w + 0.15 * w.clamp(-1.0, 1.0) + 18.0 * load + 0.02)
+    };
+    for k in 0..4000_u32 {
+        let t = f64::from(k) * 0.001;
+        let ((w, load, _), (.., current)) = (signals(t), signals(t - 0.001 * lag));
+        let values = [current, w, load].map(|x| x as f32).to_vec();
+        let sample = RunTimeSample { values, ..RunTimeSample::default() };
+        shaft.step(plan, &constants, &sample, good(k));
+    }
+    let (mut sums, mut solve, mut estimate) = (shaft.sums(), ShaftSolve::new(), ShaftEstimate::empty(plan));
+    while !solve.advance(plan, &constants, &mut sums, &mut estimate, 1) {}
+    estimate.friction_reason.map_or(Ok(estimate.friction), Err)
+}
+
+#[test]
+fn the_lag_of_the_current_is_compensated() {
+    for lag in [0.0, 1.0, 1.5, 2.5] {
+        let friction = friction(lag, lag as f32, |_| true).unwrap();
+        // Linear interpolation over a sample: (17 · 0.001)²/8 of the signal; the filter's derivative is 2e-5.
+        assert!((friction.drag.value / 0.21 - 1.0).abs() < 5e-3, "{lag}: {friction:?}");
+        assert!((friction.inertia.value / 0.006 - 1.0).abs() < 5e-3, "{lag}: {friction:?}");
+    }
+    // A lag of 2.5 ms that is not compensated turns the rate of the velocity into friction.
+    let blind = friction(2.5, 0.0, |_| true).unwrap();
+    assert!((blind.viscous.value / 0.003 - 1.0).abs() > 0.3, "{blind:?}");
+}
+
+#[test]
+fn after_a_gap_filters_start_anew() {
+    let whole = friction(0.0, 0.0, |_| true).unwrap();
+    let gap = friction(0.0, 0.0, |k| !(2000..2010).contains(&k)).unwrap();
+    // Ten samples, the ring and the settling are withheld, a row every fourth sample.
+    let missing = (10 + u32::from(FILLING) + 51) / 4;
+    assert!((missing - 1..=missing + 1).contains(&(whole.rows - gap.rows)), "{} {}", whole.rows, gap.rows);
+    assert!((gap.drag.value / whole.drag.value - 1.0).abs() < 2e-3, "{gap:?}");
+}
+
+#[test]
+fn nothing_sampled_is_a_reason() {
+    let reason = friction(0.0, 0.0, |_| false);
+    assert_eq!(reason, Err(Reason::ShortSegment { rows: 0 }));
+}
+
+#[test]
+fn a_turn_within_lost_samples_is_counted() {
+    let mut shaft = Shaft::new(plan(), &constants(0.0));
+    shaft.lost = 5;
+    // 300 rad/s for six samples of 2 ms: 3.6 rad, more than half a turn.
+    for (velocity_rad_s, held) in [(300.0, 290.0), (-300.0, -290.0), (40.0, 60.0)] {
+        let torques = Torques { velocity_rad_s: held, ..Torques::default() };
+        let last = Moment { torques, angle: Angle::ZERO };
+        let turns = f64::from(velocity_rad_s) * 0.012 / core::f64::consts::TAU;
+        let angle = Angle::from_bits((((turns - turns.round()) * 4_294_967_296.0) as i32).cast_unsigned());
+        // Single precision of a turn.
+        assert!((shaft.mean_velocity_rad_s(0.002, angle, &last) / velocity_rad_s - 1.0).abs() < 1e-5, "{held}");
+    }
+}
+
+#[test]
+fn eight_lost_samples_in_a_row_are_bridged_and_nine_are_not() {
+    let (plan, constants) = (plan(), constants(0.0));
+    let mut shaft = Shaft::new(plan, &constants);
+    let sample = RunTimeSample { values: vec![1.0, 20.0, 0.1], ..RunTimeSample::default() };
+    for _ in 0..20 {
+        shaft.step(plan, &constants, &sample, true);
+    }
+    for lost in 1..=9 {
+        assert_eq!(shaft.filling, 0, "{lost}");
+        shaft.lose(false);
+    }
+    assert_eq!((shaft.filling, BRIDGE), (FILLING, 8), "all filters start anew");
+}
