@@ -1,4 +1,4 @@
-//! Decisions of many segments → [`Alarm`] with its cause, and what is kept from one segment to the next.
+//! Decisions of many segments → [`Alarm`](crate::Alarm) with its cause, and what is kept from one segment to the next.
 //!
 //! Enters: a decision, or the reason why there is none, once a segment. Leaves: alarm, trend and silence; on request, a
 //! healthy class that follows the drive, and the state as bytes.
@@ -23,4 +23,4 @@ pub use silence::{Silence, SilenceLimits};
 pub use trend::Trend;
 
 pub(crate) use commissioning::CommissioningConstants;
-pub(crate) use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
+pub(crate) use evidence::{Evidence, EvidenceConstants};

@@ -1,5 +1,5 @@
 use super::{Detector, Segment, Solver};
-use crate::alarm::Cause;
+use crate::alarm::evidence::Cause;
 use crate::model::{Constants, EvidenceConstants, Model};
 use crate::reason::Reason;
 use crate::report::{Report, Verdict};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::{Alarm, Cause};
+use crate::alarm::evidence::{Alarm, Cause};
 use crate::reason::ReasonCode;
 use crate::report::Verdict;
 

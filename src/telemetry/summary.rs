@@ -6,7 +6,7 @@ use super::codes::{AlarmCode, VerdictCode};
 use super::samples::Numbers;
 use super::sink::{Sink, TooSmall};
 use super::split;
-use crate::alarm::{Alarm, Evidence};
+use crate::alarm::evidence::{Alarm, Evidence};
 use crate::model::Model;
 use crate::plan::{Cells, Plan};
 use crate::report::{Report, Verdict};

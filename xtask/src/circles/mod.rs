@@ -45,8 +45,8 @@ fn definer(modules: &Modules, module: &str, path: &str, of_use: bool) -> Option<
 /// Each use of a file by one that it uses itself, directly or through others.
 fn circles(modules: &Modules) -> Vec<String> {
     let mut uses: BTreeMap<&str, BTreeMap<String, Vec<&str>>> = BTreeMap::new();
-    for (name, own) in modules {
-        for path in &own.paths {
+    for (name, module) in modules {
+        for path in &module.paths {
             if let Some(to) = definer(modules, name, path, false).filter(|to| to != name) {
                 uses.entry(name).or_default().entry(to).or_default().push(path);
             }
@@ -54,9 +54,9 @@ fn circles(modules: &Modules) -> Vec<String> {
     }
     let reaches = |from: &str, to: &str| {
         let (mut seen, mut open) = (BTreeSet::new(), vec![from]);
-        while let Some(own) = open.pop() {
-            let next = uses.get(own).into_iter().flat_map(BTreeMap::keys).map(String::as_str);
-            open.extend(next.filter(|own| seen.insert(*own)));
+        while let Some(module) = open.pop() {
+            let next = uses.get(module).into_iter().flat_map(BTreeMap::keys).map(String::as_str);
+            open.extend(next.filter(|module| seen.insert(*module)));
         }
         seen.contains(to)
     };
@@ -99,12 +99,12 @@ fn no_file_uses_one_that_uses_it() -> Result<()> {
 
 #[test]
 fn a_circle_through_names_that_are_handed_on_is_found() {
-    let found = |b: &str| {
+    let circular = |b: &str| {
         let texts = [("crate", "mod a;\npub use a::A;\n"), ("crate::a", "use crate::b::B;\n"), ("crate::b", b)];
         circles(&texts.map(|(name, text)| (name.to_owned(), Module::of(Path::new(name), text))).into())
     };
-    assert_eq!(found("// super::A\nstruct B;\n#[cfg(test)]\nmod tests {\n    use crate::A;\n}\n"), [""; 0]);
+    assert_eq!(circular("// super::A\nstruct B;\n#[cfg(test)]\nmod tests {\n    use crate::A;\n}\n"), [""; 0]);
     let both = ["crate::a uses crate::b by crate::b::B", "crate::b uses crate::a by crate::A"];
-    assert_eq!(found("use crate::{\n    A as C,\n};\n"), both);
-    assert_eq!(found("fn f(a: super::A) {}\n").len(), 2);
+    assert_eq!(circular("use crate::{\n    A as C,\n};\n"), both);
+    assert_eq!(circular("fn f(a: super::A) {}\n").len(), 2);
 }

@@ -16,7 +16,7 @@ pub(super) struct Module {
 
 impl Module {
     pub(super) fn of(file: &Path, text: &str) -> Self {
-        let mut own = Self { file: file.display().to_string(), ..Self::default() };
+        let mut module = Self { file: file.display().to_string(), ..Self::default() };
         let mut lines = text.lines().map(|line| line.split("//").next().unwrap_or(line));
         while let Some(line) = lines.next() {
             // Not a text that begins so.
@@ -33,20 +33,20 @@ impl Module {
                     tree += lines.next().unwrap_or(";");
                 }
                 let tree = tree.replace(" as _", "").replace(" as ", "@").replace([' ', ';'], "");
-                own.bring(&tree, before.trim_start().starts_with("pub"));
+                module.bring(&tree, before.trim_start().starts_with("pub"));
             } else if !line.contains("mod ") {
-                let paths = line.split(|own: char| !own.is_ascii_alphanumeric() && !"_:".contains(own));
-                own.paths.extend(paths.map(|path| path.trim_matches(':').to_owned()));
+                let paths = line.split(|c: char| !c.is_ascii_alphanumeric() && !"_:".contains(c));
+                module.paths.extend(paths.map(|path| path.trim_matches(':').to_owned()));
             }
         }
-        own
+        module
     }
 
     /// Takes in a tree of `use` without spaces: `a::{b,c::{d,e@f}}`.
     fn bring(&mut self, tree: &str, handed_on: bool) {
         let (mut before, mut path) = (vec![], String::new());
-        for own in tree.chars().chain([',']) {
-            match own {
+        for c in tree.chars().chain([',']) {
+            match c {
                 '{' => before.push(path.clone()),
                 ',' | '}' => {
                     let whole = path.strip_suffix("::self").unwrap_or(&path);
@@ -54,10 +54,10 @@ impl Module {
                     let (whole, name) = whole.split_once('@').unwrap_or((whole, last));
                     self.brought.insert(name.to_owned(), whole.to_owned());
                     self.paths.extend((!handed_on).then(|| whole.to_owned()));
-                    before.truncate(before.len() - usize::from(own == '}'));
+                    before.truncate(before.len() - usize::from(c == '}'));
                     path = before.last().cloned().unwrap_or_default();
                 }
-                _ => path.push(own),
+                _ => path.push(c),
             }
         }
     }
