@@ -229,16 +229,13 @@ def test_a_part_that_is_written_again_needs_the_plan_beside_it(part, tmp_path):
         trained(copy, tmp_path)
 
 
-def test_polars_and_duckdb_write_parts_again(part, tmp_path, monkeypatch):
+def test_polars_writes_parts_again(part, tmp_path, monkeypatch):
     expected = trained(part / "a.parquet", tmp_path)
     for file in ("a.parquet", "a.plan.json"):
         shutil.copy(part / file, tmp_path)
     text = example("polars")
     run(text.replace('pl.col("usable") > 0.9', 'pl.col("usable") >= 0'), tmp_path, monkeypatch)
     assert trained(tmp_path / "b.parquet", tmp_path) == expected
-    pytest.importorskip("duckdb")
-    run(example("duckdb"), tmp_path, monkeypatch)
-    assert trained(tmp_path / "lake", tmp_path) == expected
 
 
 def test_a_folder_of_parts_has_the_keys_of_its_names(part, command, tmp_path):

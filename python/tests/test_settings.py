@@ -13,6 +13,8 @@ def example(field):
     """Return a value by the schema of a field, and the start of its text in a drive file."""
     if "oneOf" in field:
         return field["oneOf"][-1]["const"], '"'
+    if "examples" in field:
+        return field["examples"][0], f'"{field["examples"][0]}"'
     kinds = field["type"] if isinstance(field["type"], list) else [field["type"]]
     if kinds[0] == "array":
         items = field["items"]["type"]

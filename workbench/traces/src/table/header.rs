@@ -42,6 +42,8 @@ impl Head {
         let step_s = units.as_ref().and_then(|units| increment(&all, units));
         let unit = |k: usize| units.as_ref().and_then(|units| units.get(k)).map(|unit| bare(unit));
         let with_unit = |(k, name): (usize, &String)| match unit(k) {
+            // A name may have it already.
+            Some(unit) if Unit::named(unit).is_some() && Unit::of_column(name) == Unit::named(unit) => name.clone(),
             Some(unit) if Unit::named(unit).is_some() => format!("{name} [{unit}]"),
             Some(unit) => long_unit(unit).map_or_else(|| name.clone(), |unit| format!("{name} [{unit}]")),
             None => name.clone(),

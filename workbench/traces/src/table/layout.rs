@@ -292,6 +292,7 @@ mod tests {
 
     #[test]
     fn lines_before_the_header_and_units_are_understood() {
+        assert_eq!(of("t_s;i\ns;A\n0.0;1\n0.5;2\n").names, ["t_s", "i [A]"]);
         let units = of("Time;Current;Speed\n[s];[A];[rpm]\n0.000;0.1;1000.2\n0.001;1.1;1001.2\n");
         assert_eq!((units.names.join("|"), units.first), ("Time [s]|Current [A]|Speed [rpm]".into(), 2));
         let text = "Logger,3\nSample Rate,2000\nNote,a,b,c\n0,0.5,0.2\n1,1.5,1.2\n2,2.5,2.2\n";
