@@ -5,11 +5,11 @@ mod classifier;
 #[path = "../../examples/support/numbers.rs"]
 pub mod numbers;
 #[allow(dead_code, reason = "the hash of its outputs is not wanted here")]
-#[path = "../../examples/support/raw.rs"]
+#[path = "../../target-tests/examples/support/raw.rs"]
 pub mod raw;
 #[path = "../../examples/support/refined.rs"]
 pub mod refined;
-#[path = "../../examples/support/shaft.rs"]
+#[path = "../../target-tests/examples/support/shaft.rs"]
 pub mod shaft;
 #[path = "../../examples/support/standard_rig/mod.rs"]
 pub mod standard_rig;

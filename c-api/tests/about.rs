@@ -16,7 +16,7 @@ mod numbers;
 #[path = "../../examples/support/refined.rs"]
 mod refined;
 #[allow(dead_code, reason = "only its models and plant are used")]
-#[path = "../../examples/support/shaft.rs"]
+#[path = "../../target-tests/examples/support/shaft.rs"]
 mod shaft;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod support;

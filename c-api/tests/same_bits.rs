@@ -18,7 +18,7 @@ mod numbers;
 #[path = "../../examples/support/refined.rs"]
 mod refined;
 #[allow(dead_code, reason = "only its models and plant are used")]
-#[path = "../../examples/support/shaft.rs"]
+#[path = "../../target-tests/examples/support/shaft.rs"]
 mod shaft;
 #[path = "../../examples/support/standard_rig/mod.rs"]
 mod standard_rig;

@@ -39,7 +39,8 @@ fn examples(folder: &Path) -> Result<Vec<String>> {
 #[test]
 fn crates_without_documentation_tests_have_no_examples() -> Result<()> {
     let root = workspace::root();
-    let mut folders: Vec<PathBuf> = ["attack", "c-api", "host-tests", "python"].map(|name| root.join(name)).into();
+    let mut folders: Vec<PathBuf> =
+        ["attack", "c-api", "host-tests", "python", "target-tests"].map(|name| root.join(name)).into();
     for entry in root.join("workbench").read_dir()? {
         folders.push(entry?.path());
     }

@@ -21,6 +21,13 @@ fn linker() -> String {
 /// Selects the memory map, see `build.rs`.
 const BOARD: &str = "BEARING_WATCH_BOARD";
 
+/// The packages with examples: the core, whose examples are there to be copied, and that of the programs that measure
+/// and check.
+const PACKAGES: [&str; 2] = ["bearing-watch", "target-tests"];
+
+/// The folder of the programs that measure and check.
+pub const MEASURING: &str = "target-tests/examples";
+
 /// Names the model of the example `drive`, see `build.rs`.
 pub const MODEL: &str = "BEARING_WATCH_MODEL";
 
@@ -37,33 +44,33 @@ pub fn build_with_model(way: Way, board: Board, example: &str, source: &Path) ->
     existing(folder.join("examples").join(example))
 }
 
-/// Builds one example with overflow checks in the core, and returns its ELF file, which replaces the one of [`build`].
-/// Other packages are built without: the compiler's library is shipped so, and `libm` has sums whose checks the
-/// compiler cannot remove although they never overflow.
+/// Builds one example with overflow checks in the core and in itself, and returns its ELF file, which replaces the one
+/// of [`build`]. Other packages are built without: the compiler's library is shipped so, and `libm` has sums whose
+/// checks the compiler cannot remove although they never overflow.
 pub fn build_checked(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    build_with(way, board, example, &["package.bearing-watch.overflow-checks=true"])
+    build_with(way, board, example, &PACKAGES.map(|name| format!("package.{name}.overflow-checks=true")))
 }
 
-/// Builds one example with the core at `opt-level = "s"`, and returns its ELF file, which replaces the one of
-/// [`build`].
+/// Builds one example with the core and itself at `opt-level = "s"`, and returns its ELF file, which replaces the one
+/// of [`build`].
 pub fn build_small(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    build_with(way, board, example, &[r#"package.bearing-watch.opt-level="s""#])
+    build_with(way, board, example, &PACKAGES.map(|name| format!(r#"package.{name}.opt-level="s""#)))
 }
 
 /// Builds one example with the profile of firmware that has to be small: `opt-level = "s"`, and the whole program
 /// optimised at once. Returns its ELF file, which replaces the one of [`build`].
 pub fn build_smallest(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    build_with(way, board, example, &[r#"opt-level="s""#, r#"lto="fat""#, "codegen-units=1"])
+    build_with(way, board, example, &[r#"opt-level="s""#, r#"lto="fat""#, "codegen-units=1"].map(String::from))
 }
 
 /// Builds one example with further settings of the profile.
-fn build_with(way: Way, board: Board, example: &str, settings: &[&str]) -> Result<PathBuf> {
+fn build_with(way: Way, board: Board, example: &str, settings: &[String]) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo_to("rustc", way, board);
     for setting in settings {
         cargo.args(["--config", &format!("profile.release.{setting}")]);
     }
     // By package, so that features which only host packages want do not leak in.
-    cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example));
+    cargo.args(["--package", package(example), "--example", example, "--no-default-features"]).args(features(example));
     if matches!(board.memory, Memory::Linker(_)) {
         // As build.rs does. A flag for this crate alone: the core is the same for all boards of a target.
         let flag = format!("link-arg=--remap-inputs=memory.x={}", board.memory.file().display());
@@ -76,14 +83,14 @@ fn build_with(way: Way, board: Board, example: &str, settings: &[&str]) -> Resul
 /// Checks every example with every feature of the core but `alloc`, which is for hosts. Checks, since each example is
 /// also built with its own features, and building takes minutes.
 pub fn check_all_features(way: Way, board: Board) -> Result<()> {
-    let (mut cargo, _) = cargo_to("check", way, board);
-    child::succeed(cargo.args([
-        "--package",
-        "bearing-watch",
-        "--examples",
-        "--features",
-        "bounded,defmt,embedded-hal,embedded-storage,nalgebra,internals,signature,telemetry",
-    ]))
+    const FEATURES: &str = "bounded,defmt,embedded-hal,embedded-storage,internals,signature,telemetry";
+    for package in PACKAGES {
+        let (mut cargo, _) = cargo_to("check", way, board);
+        let features = format!("{FEATURES},bearing-watch/nalgebra");
+        cargo.args(["--package", package, "--examples", "--no-default-features", "--features", &features]);
+        child::succeed(&mut cargo)?;
+    }
+    Ok(())
 }
 
 /// Builds the C interface as a static library, for an exported plan or, if that is empty, for any model; returns its
@@ -157,16 +164,24 @@ fn features(example: &str) -> &'static [&'static str] {
     }
 }
 
+/// The package of an example.
+fn package(example: &str) -> &'static str {
+    let [core, tests] = PACKAGES;
+    let copied = workspace::root().join("examples").join(example).with_extension("rs");
+    if copied.is_file() { core } else { tests }
+}
+
 /// The names of all examples, sorted.
 pub fn examples() -> Result<Vec<String>> {
-    let folder = workspace::root().join("examples");
     let mut names = Vec::new();
-    for entry in folder.read_dir().context("no folder `examples`")? {
-        let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == "rs")
-            && let Some(name) = path.file_stem()
-        {
-            names.push(name.to_string_lossy().into_owned());
+    for folder in ["examples", MEASURING] {
+        for entry in workspace::root().join(folder).read_dir().with_context(|| format!("no folder `{folder}`"))? {
+            let path = entry?.path();
+            if path.extension().is_some_and(|extension| extension == "rs")
+                && let Some(name) = path.file_stem()
+            {
+                names.push(name.to_string_lossy().into_owned());
+            }
         }
     }
     names.sort();

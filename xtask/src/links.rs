@@ -12,7 +12,7 @@ use crate::workspace;
 const FOLDERS: [&str; 5] = ["docs", "book/src", "c-api", "python", "template"];
 const ROOT: [&str; 5] = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"];
 /// A piece of code that starts so is a path of the repository.
-const PATHS: [&str; 13] = [
+const PATHS: [&str; 14] = [
     "docs/",
     "book/",
     "src/",
@@ -22,6 +22,7 @@ const PATHS: [&str; 13] = [
     "c-api/",
     "python/",
     "examples/",
+    "target-tests/",
     "template/",
     "boards/",
     "frameworks/",

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use crate::workspace;
+use crate::{firmware, workspace};
 
 /// The files of the core that export names.
 const EXPORTING: [&str; 10] = [
@@ -53,7 +53,7 @@ const OF_TRAIT: &[&str] = &["fn "];
 pub fn forgotten() -> Result<Vec<String>> {
     let mut calls = String::new();
     for file in CALLING {
-        let path = workspace::root().join("examples").join(file);
+        let path = workspace::root().join(firmware::MEASURING).join(file);
         calls += &fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
     }
     let calls = without_generics(&calls);

@@ -10,7 +10,7 @@ mod refined;
 #[path = "../../../examples/support/sender.rs"]
 mod sender;
 #[allow(dead_code, reason = "only a model and its plant are used")]
-#[path = "../../../examples/support/shaft.rs"]
+#[path = "../../../target-tests/examples/support/shaft.rs"]
 mod shaft;
 
 use crate::exported::MODEL;

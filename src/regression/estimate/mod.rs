@@ -1,4 +1,7 @@
-//! Samples of a segment → [`Estimate`]: parameters, covariance, residual variance.
+//! Rows of a segment → [`Estimate`]: parameters, covariance, residual variance.
+//!
+//! Enters: the inputs of each sample that may be used. Leaves: the sums of a closed segment, and by a solve in
+//! pieces the estimate.
 
 #[cfg(any(test, feature = "internals"))]
 mod alone;

@@ -5,7 +5,7 @@
 #[path = "../../../../examples/support/count.rs"]
 mod count;
 #[allow(dead_code, reason = "only its count of single samples is needed")]
-#[path = "../../../../examples/support/decimation.rs"]
+#[path = "../../../../target-tests/examples/support/decimation.rs"]
 mod decimation;
 #[path = "../../../../examples/support/numbers.rs"]
 mod numbers;

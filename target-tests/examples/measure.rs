@@ -4,7 +4,7 @@
 #[macro_use]
 mod support;
 
-#[path = "support/standard_rig/model.rs"]
+#[path = "../../examples/support/standard_rig/model.rs"]
 mod model;
 
 use core::hint::black_box;

@@ -5,13 +5,13 @@
 #[macro_use]
 #[path = "support/footprint.rs"]
 mod footprint;
-#[path = "support/classifier.rs"]
+#[path = "../../examples/support/classifier.rs"]
 mod classifier;
 #[allow(dead_code, reason = "the plant is not wanted here")]
-#[path = "support/numbers.rs"]
+#[path = "../../examples/support/numbers.rs"]
 mod numbers;
 #[allow(dead_code, reason = "only its constants are wanted here")]
-#[path = "support/refined.rs"]
+#[path = "../../examples/support/refined.rs"]
 mod refined;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]

@@ -7,7 +7,7 @@ mod support;
 
 #[cfg(target_os = "none")]
 #[allow(dead_code, reason = "its samples are not wanted here")]
-#[path = "support/standard_rig/model.rs"]
+#[path = "../../examples/support/standard_rig/model.rs"]
 mod model;
 
 main!(run);

@@ -5,25 +5,25 @@
 //! Left out: `Debug` and, with the feature `defmt`, the logger. Without optimisation nothing can be told.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[path = "support/classifier.rs"]
+#[path = "../../examples/support/classifier.rs"]
 mod classifier;
 #[path = "support/converter.rs"]
 mod converter;
 #[path = "support/drive_calls.rs"]
 mod drive_calls;
-#[path = "support/flash.rs"]
+#[path = "../../examples/support/flash.rs"]
 mod flash;
 #[allow(dead_code, reason = "its samples are not wanted here")]
-#[path = "support/standard_rig/model.rs"]
+#[path = "../../examples/support/standard_rig/model.rs"]
 mod model;
 #[allow(dead_code, reason = "only arrays of numbers are wanted here")]
-#[path = "support/numbers.rs"]
+#[path = "../../examples/support/numbers.rs"]
 mod numbers;
 #[allow(dead_code, reason = "no bits are wanted here")]
 #[path = "support/raw.rs"]
 mod raw;
 #[allow(dead_code, reason = "the plant is not wanted here")]
-#[path = "support/refined.rs"]
+#[path = "../../examples/support/refined.rs"]
 mod refined;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]

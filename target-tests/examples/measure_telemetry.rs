@@ -4,7 +4,7 @@
 #[macro_use]
 mod support;
 
-#[path = "support/standard_rig/mod.rs"]
+#[path = "../../examples/support/standard_rig/mod.rs"]
 mod standard_rig;
 
 use core::hint::black_box;

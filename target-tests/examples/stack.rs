@@ -5,7 +5,7 @@
 mod support;
 
 #[cfg(target_os = "none")]
-#[path = "support/standard_rig/model.rs"]
+#[path = "../../examples/support/standard_rig/model.rs"]
 mod model;
 
 #[cfg(target_os = "none")]
