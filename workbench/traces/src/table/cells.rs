@@ -170,6 +170,11 @@ pub(super) fn clean(name: &str) -> String {
     text_of(one_line.join(" ").trim_start_matches('\u{feff}')).to_string()
 }
 
+/// A unit without brackets.
+pub(super) fn bare(unit: &str) -> &str {
+    unit.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim()
+}
+
 /// Whether a cell is a complex number such as 3.9+4.1i.
 pub(super) fn is_complex(cell: &str) -> bool {
     let Some(rest) = cell.trim_matches(['(', ')']).strip_suffix(['i', 'j']) else { return false };

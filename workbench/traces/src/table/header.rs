@@ -1,7 +1,7 @@
 //! The names of the columns of a text, and their units.
 
 use super::about::About;
-use super::cells::{Kind, Line, are_places, clean, kind, split};
+use super::cells::{Kind, Line, are_places, bare, clean, kind, split};
 use super::keyed;
 use super::preamble;
 use super::rows::Rows;
@@ -31,7 +31,7 @@ impl Head {
         if let Some((before, names)) = twins::paired(&content[..rows.first], rows.separator, used) {
             return Self { cells: names.clone(), names, before, step_s: None, further: vec![] };
         }
-        if let Some((before, names)) = keyed::names(content, rows, used) {
+        if let Some((before, names)) = keyed::names(content, (rows.separator, rows.cells, rows.first), used) {
             return Self { cells: names.clone(), names, before, step_s: None, further: vec![] };
         }
         let mut last = rows.first.checked_sub(1);
@@ -146,11 +146,6 @@ fn counts(content: &[Line<'_>], rows: &Rows) -> bool {
 /// The step of the time, s, by a cell behind the names such as `tInc = 4.0e-06`.
 fn told_increment(cells: &[String]) -> Option<f64> {
     cells.iter().find_map(|cell| preamble::of_line(cell))
-}
-
-/// A unit without brackets.
-pub(super) fn bare(unit: &str) -> &str {
-    unit.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim()
 }
 
 /// Units of oscilloscopes in words.

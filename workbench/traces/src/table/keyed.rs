@@ -7,9 +7,7 @@
 //! "",0.1,17.5
 //! ```
 
-use super::cells::{Line, clean, split};
-use super::header::bare;
-use super::rows::Rows;
+use super::cells::{Line, bare, clean, split};
 use crate::units::Unit;
 
 /// Keys of the names, in lower case and without marks.
@@ -31,21 +29,25 @@ pub(super) fn first_row(all: &[Vec<&str>], first: usize) -> usize {
     behind.filter(|behind| is_keyed && all[*behind..].iter().all(begins_empty)).unwrap_or(first)
 }
 
-/// The place of the names, and the names of all columns with their units; `None` of rows that begin with a value, or
-/// without a line of names.
-pub(super) fn names(content: &[Line<'_>], rows: &Rows, used: usize) -> Option<(usize, Vec<String>)> {
-    let cells = |line: &Line<'_>| split(line.text, rows.separator).into_iter().map(clean).collect::<Vec<_>>();
+/// The place of the names, and the names of all columns with their units, of rows from the line `first` on; `None` of
+/// rows that begin with a value, or without a line of names.
+pub(super) fn names(
+    content: &[Line<'_>],
+    (separator, columns, first): (u8, usize, usize),
+    used: usize,
+) -> Option<(usize, Vec<String>)> {
+    let cells = |line: &Line<'_>| split(line.text, separator).into_iter().map(clean).collect::<Vec<_>>();
     let begins_empty = |line: &Line<'_>| cells(line).first().is_some_and(String::is_empty);
-    if rows.separator == b' ' || used < 2 || !content[rows.first..].iter().all(begins_empty) {
+    if separator == b' ' || used < 2 || !content[first..].iter().all(begins_empty) {
         return None;
     }
     let keyed = |line: &Line<'_>| {
         let mut all = cells(line);
         let count = all.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
-        all.resize(rows.cells, String::new());
+        all.resize(columns, String::new());
         (key(&all[0]), count, all)
     };
-    let lines: Vec<_> = content[..rows.first].iter().map(keyed).collect();
+    let lines: Vec<_> = content[..first].iter().map(keyed).collect();
     let place = lines.iter().position(|(key, count, _)| *count == used && NAMES.contains(&key.as_str()))?;
     let units = lines.iter().find(|(key, ..)| UNITS.iter().any(|part| key.contains(part))).map(|(.., units)| units);
     let unit = |k: usize| Some(bare(units?.get(k)?)).filter(|unit| Unit::named(unit).is_some());
