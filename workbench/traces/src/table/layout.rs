@@ -277,7 +277,8 @@ impl Layout {
                         "--time none and --rate-hz settle it".into()
                     };
                     self.about.notes.push(format!(
-                        "time {name} is taken in {told}, {rate:.6} rows a second: the unit is guessed by its values; {settles}"
+                        "time {name} is taken in {told}, {rate:.6} rows a second: the unit is guessed by its values; \
+                         {settles}"
                     ));
                 }
             }
