@@ -6,6 +6,7 @@ use std::path::Path;
 pub use crate::assemble::NO_TIME;
 use crate::assemble::{INTEGRAL, Rows as Given, assemble, elapsed};
 use crate::signal::{Signal, places_of, values_of};
+use crate::table::fraction::is_below_a_second;
 use crate::table::time_name::{seconds, usual};
 use crate::table::{About, Columns, Omitted, Table, Wanted, long_form};
 use crate::time;
@@ -20,6 +21,8 @@ pub(super) struct Header {
     time: Option<(usize, f64)>,
     /// Places of columns that repeat the time.
     twins: Vec<usize>,
+    /// Place of the part of a second that the time lacks, and the seconds of its unit.
+    fraction: Option<(usize, f64)>,
 }
 
 impl Header {
@@ -47,7 +50,8 @@ impl Header {
             }
         };
         let twins = about.twins.clone();
-        Ok(Self { trace: names.iter().position(|name| name == "trace"), time, twins, names })
+        let fraction = about.fraction.filter(|(place, _)| time.is_some_and(|(time, _)| time + 1 == *place));
+        Ok(Self { fraction, trace: names.iter().position(|name| name == "trace"), time, twins, names })
     }
 
     pub(super) fn names(&self) -> &[String] {
@@ -189,6 +193,7 @@ pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Er
         Some(*place) != header.trace
             && Some(*place) != header.time()
             && !header.twins.contains(place)
+            && header.fraction.is_none_or(|(fraction, _)| fraction != *place)
             && !header.names[*place].is_empty()
     };
     let places: Vec<usize> = (0..header.names.len()).filter(own).collect();
@@ -266,6 +271,7 @@ fn parts(
     // A table is read at once, so that its times are compared in all rows.
     let twins = if header.time.is_some() { &header.twins[..] } else { &[] };
     places.extend(twins);
+    places.extend(header.fraction.map(|(place, _)| place));
     places.sort_unstable();
     places.dedup();
     let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) });
@@ -303,8 +309,22 @@ fn parts(
             if factor != 1.0 {
                 times.iter_mut().for_each(|t| *t *= factor);
             }
+            if let Some((part, unit)) = header.fraction {
+                let rest = own.get(&part)?;
+                times.iter_mut().zip(rest).for_each(|(t, rest)| *t += rest * unit);
+            }
             Some(times)
         });
+        if let Some((place, unit)) = header.fraction {
+            let is_wrong = |value: &f64| value.is_finite() && !is_below_a_second(*value, unit);
+            let wrong = own.get(&place).and_then(|rest| rest.iter().position(is_wrong));
+            if let Some(at) = wrong {
+                let place = format!("{}, column {}", columns.place(rows.row(at)), header.names[place]);
+                let problem = "more than a second, where the rows before have parts of one; name the time with --time";
+                return Err(Error::content(path, place, problem));
+            }
+            own.retain(|own, _| *own != place || needed.contains(own));
+        }
         let by_row = |step: f64| (0..rows_of(&own, None)).map(|row| row as f64 * step).collect();
         let mut times_s = times_s.or_else(|| table.about().step_s.filter(|_| time.is_none()).map(by_row));
         if let (Some(times), Some((place, factor))) = (&mut times_s, header.time) {
@@ -317,7 +337,15 @@ fn parts(
             let problem = "no row has a time; record it again, or leave the time out with --time none";
             return Err(Error::content(path, format!("column {name} of {}", rows.id), problem));
         }
-        if let Some(at) = times_s.as_deref().and_then(backwards) {
+        if let Some(known) = times_s.as_deref().filter(|times| header.time.is_some() && time::stands(times)) {
+            let count = known.len();
+            let problem = format!(
+                "the time is the same in most of {count} rows, too coarse to tell the rate; export it with the parts of \
+                 a second, or give --time none and --rate-hz"
+            );
+            return Err(Error::content(path, format!("column {name} of {}", rows.id), problem));
+        }
+        if let Some(at) = times_s.as_deref().and_then(time::backwards) {
             let place = format!("{}, column {name}", columns.place(rows.row(at)));
             return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
         }
@@ -332,20 +360,6 @@ fn other_times(table: &Table, place: usize, line: String) -> Error {
     let at = format!("{line}, column {} {}", place + 1, table.names()[place]);
     let problem = "this channel has times of its own; export the channels with one time, or each in a file";
     Error::content(table.path(), at, problem)
-}
-
-/// The first row whose time is before that of an earlier one; a row may lack its time.
-fn backwards(times: &[f64]) -> Option<usize> {
-    // The quick check of the whole column first; the place only where it fails.
-    if times.is_sorted() {
-        return None;
-    }
-    let mut latest = f64::NEG_INFINITY;
-    times.iter().position(|time| {
-        let is_before = *time < latest;
-        latest = latest.max(*time);
-        is_before
-    })
 }
 
 /// Reports what is read of a file, and what was left out or guessed.

@@ -13,6 +13,8 @@ const COARSE: f64 = 1e-3;
 /// Least number and least part of the steps that rounding made longer than others: fewer may be rows that are missing.
 const LONGER: f64 = 20.0;
 const PART: f64 = 0.1;
+/// Part of a unit by which steps of rounded times may be off whole units.
+const WHOLE: f64 = 0.1;
 
 /// Goes on where a counter of ticks of so many seconds wraps, or a clock passes midnight; says at which row.
 pub(crate) fn unwrapped(times: &mut [f64], tick_s: Option<f64>) -> Option<String> {
@@ -41,9 +43,17 @@ pub(crate) fn unwrapped(times: &mut [f64], tick_s: Option<f64>) -> Option<String
 
 /// Puts times that are rounded to a coarse unit onto the line that they are rounded from; says so.
 pub(crate) fn evened(times: &mut [f64]) -> Option<String> {
-    let (first, last) = (*times.first()?, *times.last()?);
+    let first = *times.first()?;
     let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let step = (last - first) / steps.len() as f64;
+    // The line of least squares: the first and the last time are rounded as well.
+    let middle = 0.5 * (times.len() - 1) as f64;
+    let (mut products, mut squares) = (0.0, 0.0);
+    for (k, time) in times.iter().enumerate() {
+        let at = k as f64 - middle;
+        products += at * (time - first);
+        squares += at * at;
+    }
+    let step = products / squares;
     // Of times that are no numbers nothing is known.
     if !step.is_finite() || step <= 0.0 {
         return None;
@@ -55,6 +65,11 @@ pub(crate) fn evened(times: &mut [f64]) -> Option<String> {
     if !unit.is_finite() || rare < LONGER || rare < PART * steps.len() as f64 {
         return None;
     }
+    // Rounded times are apart by whole units.
+    let is_whole = |own: &f64| (own / unit - (own / unit).round()).abs() < WHOLE;
+    if !steps.iter().all(is_whole) {
+        return None;
+    }
     // Rounding moves each time by at most a unit; a row that is missing moves all later ones by a step.
     let off = |(k, time): (usize, &f64)| time - first - k as f64 * step;
     let (low, high) =
@@ -63,10 +78,29 @@ pub(crate) fn evened(times: &mut [f64]) -> Option<String> {
         return None;
     }
     times.iter_mut().enumerate().for_each(|(k, time)| *time = first + k as f64 * step);
-    Some(format!(
-        "the times are rounded to {unit:.3e} s; {:.6} rows a second by the first and the last one",
-        1.0 / step
-    ))
+    Some(format!("the times are rounded to {unit:.3e} s; {:.6} rows a second by all of them", 1.0 / step))
+}
+
+/// Whether most rows have the time of the row before.
+pub(crate) fn stands(times: &[f64]) -> bool {
+    /// Fewest rows that tell it.
+    const FEWEST: usize = 16;
+    let standing = times.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    times.len() >= FEWEST && 2 * standing > times.len()
+}
+
+/// The first row whose time is before that of an earlier one; a row may lack its time.
+pub(crate) fn backwards(times: &[f64]) -> Option<usize> {
+    // The quick check of the whole column first; the place only where it fails.
+    if times.is_sorted() {
+        return None;
+    }
+    let mut latest = f64::NEG_INFINITY;
+    times.iter().position(|time| {
+        let is_before = *time < latest;
+        latest = latest.max(*time);
+        is_before
+    })
 }
 
 #[cfg(test)]
@@ -102,6 +136,11 @@ mod tests {
         let lost: Vec<f64> = (0..3000).filter(|k| k % 50 != 7).map(|k| f64::from(k) / 1e3).collect();
         let irregular: Vec<f64> = (0..3000).map(|k| f64::from(k) / 1e3 + f64::from(k * 7 % 5) * 1e-4).collect();
         let even: Vec<f64> = (0..3000).map(|k| f64::from(k) / 1e3).collect();
+        // %g behind 100 s: more than half of the times stand.
+        let mut coarse: Vec<f64> = (0..2500).map(|k| ((100.0 + f64::from(k) * 4e-4) * 1e3).round() / 1e3).collect();
+        assert!(evened(&mut coarse).is_some());
+        let rate = 2499.0 / (coarse[2499] - coarse[0]);
+        assert!((rate / 2500.0 - 1.0).abs() < 2e-5, "{rate}");
         for times in [lost, even] {
             let mut own = times.clone();
             assert_eq!(evened(&mut own), None);

@@ -52,7 +52,7 @@ impl Found {
         let time = data.time.as_deref();
         let (kinds, mut left) = kinds(files, data, log);
         let Some(own) = most(kinds, &mut left) else { return Err(nothing(&data.traces, &left)) };
-        let (names, proposal) = (own.names.clone(), Proposal::of(&own.names));
+        let names = own.names.clone();
         // Files of a folder are found by their columns and labels; those are named beside which others cannot be read.
         let of_others = left.iter().any(|other| own.files.iter().any(|file| are_alike(file, &other.file)));
         let single = own.files.len() == 1 && files.len() > 1;
@@ -60,10 +60,15 @@ impl Found {
         let table = Table::open_as(&own.files[0], &data.text_form())?;
         let read = |time: Option<&str>| reader::series(&table, (time, data.rate_hz), &names);
         let (series, disorder) = match read(time) {
-            Err(problem) if time.is_none() => (read(Some(reader::NO_TIME))?, Some(problem.to_string())),
+            // What is wrong with the time says more than what is wrong without it.
+            Err(problem) if time.is_none() => match read(Some(reader::NO_TIME)) {
+                Ok(series) => (series, Some(problem.to_string())),
+                Err(_) => return Err(problem),
+            },
             other => (other?, None),
         };
         let first = series.first();
+        let proposal = Proposal::of(&first.map_or_else(|| names.clone(), |one| signals(&names, &one.columns)));
         let rows = first.map_or(0, |one| one.columns[0].len());
         let rate_hz = first.and_then(|one| Times::of(one.times_s.as_deref()?)).map(|times| times.rate_hz);
         let is_constant = first.is_some_and(|one| proposal.is_constant(&names, &one.columns));
@@ -100,6 +105,18 @@ impl Found {
             proposal,
         })
     }
+}
+
+/// The columns that are signals: those that stand, or count, all the time are none. If none is left, all are.
+fn signals(names: &[String], columns: &[Vec<f64>]) -> Vec<String> {
+    let is_line = |column: &Vec<f64>| {
+        let mut steps = column.windows(2).map(|pair| pair[1] - pair[0]);
+        let Some(first) = steps.next() else { return true };
+        (first == 0.0 || first == 1.0) && steps.all(|step| step == first)
+    };
+    let own = names.iter().zip(columns).filter(|(_, column)| !is_line(column)).map(|(name, _)| name.clone());
+    let own: Vec<String> = own.collect();
+    if own.is_empty() { names.to_vec() } else { own }
 }
 
 /// The files, and of a table of several traces these in its place.

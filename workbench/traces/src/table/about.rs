@@ -20,6 +20,8 @@ pub struct About {
     pub counters: Vec<usize>,
     /// Places of columns that repeat the time for another channel.
     pub twins: Vec<usize>,
+    /// A column with the part of a second that the time lacks: its place, and the seconds of its unit.
+    pub fraction: Option<(usize, f64)>,
     /// A channel that has other times: its place, and the line where they differ first.
     pub other_times: Option<(usize, u64)>,
     /// Seconds from row to row, if the file tells them and has no column of times.

@@ -6,6 +6,7 @@ use model::Error;
 
 use crate::table::about::About;
 use crate::table::limit::Limit;
+use crate::table::preamble;
 use crate::table::time_name;
 
 /// Names and columns of arrays: the longest ones, and those of one number, which are constant.
@@ -24,7 +25,19 @@ pub(super) fn of_one_length(
     let claimed = Limit::of_file(path)?.claim_numbers([rows as u64, columns as u64]);
     claimed.map_err(|problem| Error::content(path, "content", format!("as {columns} columns {problem}")))?;
     let each = |(name, column): (String, Vec<f64>)| match column[..] {
-        [one] => Some((name, vec![one; rows])),
+        [one] => {
+            if rows > 1 && about.step_s.is_none() {
+                let own = name.rsplit('.').next().unwrap_or_default();
+                about.step_s = preamble::of_value(own, one);
+                about.notes.extend(about.step_s.map(|step| {
+                    format!(
+                        "{:.6} rows a second by {name}, if no column is the time; --rate-hz gives another rate",
+                        1.0 / step
+                    )
+                }));
+            }
+            Some((name, vec![one; rows]))
+        }
         _ if column.len() == rows => Some((name, column)),
         _ => {
             let count = column.len();
@@ -61,7 +74,7 @@ pub(super) fn rising_time(names: &[String], columns: &[Vec<f64>], about: &mut Ab
     let (Some(name), Some(first)) = (names.first(), columns.first()) else { return };
     if !is_time
         && about.clocks.is_empty()
-        && name.ends_with("_1")
+        && (name.ends_with("_1") || name == "c1")
         && first.len() >= FEWEST
         && columns.len() > 1
         && time_name::rises(first)

@@ -16,7 +16,7 @@ pub(super) struct Line<'a> {
     pub(super) end: usize,
 }
 
-/// The lines of a text that are neither empty nor comments, and those that are comments, up to `most` of both.
+/// The lines of a text that are neither empty, comments nor rules, and those that are comments, up to `most` of both.
 pub(super) fn lines(text: &str, comment: Option<u8>, most: usize) -> (Vec<Line<'_>>, Vec<Line<'_>>) {
     let (mut content, mut comments) = (Vec::new(), Vec::new());
     let feeds: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).take(most + LONGEST_NAME).collect();
@@ -31,7 +31,7 @@ pub(super) fn lines(text: &str, comment: Option<u8>, most: usize) -> (Vec<Line<'
         let found = Line { text: own, before: line, end: last + 1 };
         if comment.is_some_and(|mark| own.as_bytes().first() == Some(&mark)) {
             comments.push(found);
-        } else if !own.trim().is_empty() {
+        } else if !own.trim().is_empty() && !is_rule(own) {
             content.push(found);
         }
         line = last + 1;
@@ -39,10 +39,15 @@ pub(super) fn lines(text: &str, comment: Option<u8>, most: usize) -> (Vec<Line<'
     (content, comments)
 }
 
+/// Whether a line only separates names and rows: -----+-----, or ---,---.
+fn is_rule(line: &str) -> bool {
+    ["---", "==="].iter().any(|mark| line.contains(mark)) && !line.contains(char::is_alphanumeric)
+}
+
 /// The cells of a line, without blanks and quotes around them.
 pub(super) fn split(line: &str, separator: u8) -> Vec<&str> {
     if separator == b' ' {
-        return line.split_ascii_whitespace().collect();
+        return blank_separated(line);
     }
     let (mut cells, mut quoted, mut start) = (Vec::new(), false, 0);
     for (at, byte) in line.bytes().enumerate() {
@@ -54,6 +59,34 @@ pub(super) fn split(line: &str, separator: u8) -> Vec<&str> {
     }
     cells.push(&line[start..]);
     cells.into_iter().map(|cell| cell.trim().trim_matches('"').trim()).collect()
+}
+
+/// The cells of a line between blanks that are not quoted.
+fn blank_separated(line: &str) -> Vec<&str> {
+    let mut quoted = false;
+    let is_end = |c: char| {
+        quoted ^= c == '"';
+        !quoted && c.is_ascii_whitespace()
+    };
+    line.split(is_end).filter(|cell| !cell.is_empty()).map(|cell| cell.trim_matches('"').trim()).collect()
+}
+
+/// The number of a cell as computers write it, also with the exponent of Fortran, 1.5D+02.
+pub(super) fn plain_number(cell: &str) -> Option<f64> {
+    let of_fortran = || cell.ends_with(|c: char| c.is_ascii_digit()).then(|| cell.replace(['D', 'd'], "e"));
+    cell.parse().ok().or_else(|| of_fortran()?.parse().ok())
+}
+
+/// The number in a cell in which marks can only separate thousands: 1.015,25 and 1,015.25 have both marks, and
+/// 1'015.25 and numbers with narrow blanks have one that is nothing else.
+pub(super) fn plainly_grouped(cell: &str, decimal_comma: bool) -> Option<f64> {
+    const GROUPS: [char; 5] = ['\'', '’', '\u{a0}', '\u{202f}', '\u{2009}'];
+    if cell.contains(GROUPS) {
+        let group = if decimal_comma { "." } else { "," };
+        return grouped(&cell.replace(GROUPS, group), decimal_comma);
+    }
+    let both = cell.contains(',') && cell.contains('.');
+    both.then(|| grouped(cell, decimal_comma)).flatten()
 }
 
 /// What a cell says.
@@ -73,7 +106,12 @@ pub(super) fn truth(cell: &str) -> Option<f64> {
 
 /// What a cell says, with decimal points or commas.
 pub(super) fn kind(cell: &str, commas: bool) -> Kind {
-    if cell.parse::<f64>().is_ok_and(f64::is_finite) || commas && has_comma(cell) || truth(cell).is_some() {
+    let is_grouped = |comma: bool| plainly_grouped(cell, comma).is_some();
+    if plain_number(cell).is_some_and(f64::is_finite)
+        || commas && has_comma(cell)
+        || truth(cell).is_some()
+        || [false, true].into_iter().any(is_grouped)
+    {
         Kind::Number
     } else if is_missing(cell) || cell.parse::<f64>().is_ok() {
         Kind::Missing
@@ -94,11 +132,12 @@ fn has_comma(cell: &str) -> bool {
 
 /// Whether a cell can only be a number with a decimal comma: 0,125 or 1,5, not 2,000, which may be two thousand.
 pub(super) fn is_decimal_comma(cell: &str) -> bool {
-    has_comma(cell)
+    let one = has_comma(cell)
         && cell.split_once(',').is_some_and(|(whole, part)| {
             let whole = whole.trim_start_matches(['-', '+']);
             whole == "0" || whole.len() > 3 || part.len() != 3 || !part.bytes().all(|byte| byte.is_ascii_digit())
-        })
+        });
+    one || cell.contains(',') && plainly_grouped(cell, true).is_some()
 }
 
 /// The number in a cell with marks between thousands, such as 12,345.6 or, with a decimal comma, 12.345,6.
@@ -131,6 +170,11 @@ pub(super) fn clean(name: &str) -> String {
     text_of(one_line.join(" ").trim_start_matches('\u{feff}')).to_string()
 }
 
+/// A unit without brackets.
+pub(super) fn bare(unit: &str) -> &str {
+    unit.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim()
+}
+
 /// Whether a cell is a complex number such as 3.9+4.1i.
 pub(super) fn is_complex(cell: &str) -> bool {
     let Some(rest) = cell.trim_matches(['(', ')']).strip_suffix(['i', 'j']) else { return false };
@@ -152,6 +196,7 @@ mod tests {
         assert_eq!(texts, [("\"t\n[s]\",i", 1, 3), ("1,2", 4, 5), ("3,4", 5, 6)]);
         assert_eq!(comments[0].text, "# a");
         assert_eq!(split("\"a;b\" ; c", b';'), ["a;b", "c"]);
+        assert_eq!(lines("a|b\n---+---\n1|2\n", None, 100).0.len(), 2);
     }
 
     #[test]
@@ -186,6 +231,18 @@ mod tests {
         ] {
             assert_eq!(grouped(cell, comma), number, "{cell}");
         }
+        for (cell, comma, number) in [
+            ("1.015,25", true, Some(1015.25)),
+            ("1,015.25", false, Some(1015.25)),
+            ("1'015.25", false, Some(1015.25)),
+            ("1\u{202f}015,25", true, Some(1015.25)),
+            ("1.015", true, None),
+            ("1,015", false, None),
+        ] {
+            assert_eq!(plainly_grouped(cell, comma), number, "{cell}");
+        }
+        assert_eq!((plain_number("-1.5D+02"), plain_number("D"), plain_number("3D")), (Some(-150.0), None, None));
+        assert_eq!(split("\"a b\"  c", b' '), ["a b", "c"]);
         for (cell, complex) in
             [("3.9+4.1i", true), ("5.0286-0.10214i", true), ("1e-3-2e-4j", true), ("3i", false), ("hi", false)]
         {

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! 2026-11-26 00:00:00.0005   2026-11-26T00:00:00Z   26.10.2022 08:17:00   11/26/2026 8:17   08:17:00,250
+//! 26-Nov-2026 08:17:00.250   08:17:00:250           0 days 00:00:00.0005  0.0005 sec
 //! 1764200000000250000        1764200000.00025       123456789              in the unit of the column
 //! ```
 //!
@@ -11,6 +12,8 @@
 /// Nanoseconds of a second and of a day.
 const SECOND: i128 = 1_000_000_000;
 const DAY: i128 = 86_400 * SECOND;
+/// Months in words, as MATLAB and oscilloscopes write them.
+const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
 /// Decimals of numbers that are kept.
 const DECIMALS: usize = 12;
 
@@ -54,8 +57,12 @@ impl Clock {
     }
 }
 
-/// A decimal number without an exponent, in 10⁻¹².
+/// A decimal number in 10⁻¹²; one with an exponent has no more digits than a double.
 fn decimal(cell: &str, decimal_comma: bool) -> Option<i128> {
+    if cell.contains(['e', 'E']) {
+        let scaled = cell.replacen(',', ".", usize::from(decimal_comma)).parse::<f64>().ok()? * 1e12;
+        return (scaled.abs() < 1e36).then_some(scaled.round() as i128);
+    }
     let (negative, digits) = match cell.strip_prefix('-') {
         Some(rest) => (true, rest),
         None => (false, cell.strip_prefix('+').unwrap_or(cell)),
@@ -77,7 +84,10 @@ pub(in crate::table) fn nanoseconds(cell: &str) -> Option<i128> {
     if !cell.starts_with(starts) || cell.len() > 40 {
         return None;
     }
-    let date_end = cell.find([' ', 'T', 't']);
+    if let Some(span) = span(cell) {
+        return Some(span);
+    }
+    let date_end = cell.find([' ', 'T']);
     let (date, time) = match date_end {
         Some(end) => (Some(&cell[..end]), cell[end + 1..].trim_start()),
         None if cell.contains(':') => (None, cell),
@@ -89,6 +99,24 @@ pub(in crate::table) fn nanoseconds(cell: &str) -> Option<i128> {
     };
     let of_day = if time.is_empty() { 0 } else { of_day(time)? };
     Some(i128::from(days) * DAY + of_day)
+}
+
+/// A span in ns: `0 days 00:00:00.0005` of pandas, `0.0005 sec` of MATLAB.
+fn span(cell: &str) -> Option<i128> {
+    let (number, rest) = cell.split_once(' ')?;
+    let (unit, time) = rest.split_once(' ').unwrap_or((rest, ""));
+    if matches!(unit, "day" | "days") {
+        let of_day = if time.is_empty() { Some(0) } else { of_day(time.trim_start()) };
+        return Some(number.parse::<i128>().ok()? * DAY + of_day?);
+    }
+    let unit = match unit {
+        "sec" => SECOND,
+        "min" => 60 * SECOND,
+        "hr" => 3600 * SECOND,
+        _ => return None,
+    };
+    // 10⁻¹² of a unit.
+    time.is_empty().then(|| decimal(number, false)).flatten().map(|value| value * unit / 1_000_000_000_000)
 }
 
 /// The same of a date with a time of the day in the forms of ISO 8601, such as `2026-11-26T01:00:00,5+01:00`.
@@ -104,6 +132,8 @@ fn days(date: &str) -> Option<i64> {
     let mark = date.find(['-', '.', '/']).and_then(|at| date[at..].chars().next())?;
     let parts: Vec<&str> = date.split(mark).collect();
     let [a, b, c] = parts[..] else { return None };
+    let of_month = MONTHS.iter().position(|name| b.eq_ignore_ascii_case(name)).map(|place| (place + 1).to_string());
+    let b = of_month.as_deref().unwrap_or(b);
     let is_number = |text: &str| (1..=4).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
     if ![a, b, c].into_iter().all(is_number) {
         return None;
@@ -146,7 +176,11 @@ fn of_day(time: &str) -> Option<i128> {
     let (clock, part) = match time.split_once(['.', ',']) {
         Some((_, "")) => return None,
         Some(parts) => parts,
-        None => (time, ""),
+        // Controllers write milliseconds behind a third colon.
+        None => match time.rsplit_once(':') {
+            Some((clock, part)) if part.len() == 3 && clock.matches(':').count() == 2 => (clock, part),
+            _ => (time, ""),
+        },
     };
     let mut numbers = clock.split(':');
     let mut next = |most: i128| -> Option<i128> {
@@ -204,6 +238,12 @@ mod tests {
             ("2026-11-26T08:17:00+01:00", day(20_783) + of(26_220.0)),
             ("2026-11-26T08:17:00-0130", day(20_783) + of(35_220.0)),
             ("08:17:00.125", of(29_820.125)),
+            ("08:17:00:125", of(29_820.125)),
+            ("26-Nov-2026 08:17:00.250", day(20_783) + of(29_820.25)),
+            ("0 days 00:00:00.000500", of(0.0005)),
+            ("2 days 01:00:00", day(2) + of(3600.0)),
+            ("0.0005 sec", of(0.0005)),
+            ("1e-05 sec", of(1e-5)),
         ] {
             assert_eq!(nanoseconds(text), Some(expected), "{text}");
         }
@@ -221,6 +261,10 @@ mod tests {
             "spall",
             "3.8953+4.1456i",
             "12:30x",
+            "12:30:125",
+            "5 A",
+            "5 secs",
+            "26-Abc-2026",
         ] {
             assert_eq!(nanoseconds(text), None, "{text}");
         }
@@ -262,7 +306,8 @@ mod tests {
         let clock = Clock::of_numbers("1764200000000000000", 1e-9, false).expect("a number");
         assert!((clock.seconds("1764200000000250000", false).expect("a number") - 2.5e-4).abs() < 1e-18);
         assert_eq!(Clock::of_numbers("1,5", 1.0, true).and_then(|clock| clock.seconds("-0,25", true)), Some(-1.75));
-        for text in ["", "-", ".", "x", "1e5", "1.5.2"] {
+        assert_eq!(Clock::of_numbers("5e-1", 1.0, false).and_then(|clock| clock.seconds("1e0", false)), Some(0.5));
+        for text in ["", "-", ".", "x", "1ex", "1.5.2"] {
             assert_eq!(Clock::of_numbers(text, 1.0, false), None, "{text}");
         }
     }

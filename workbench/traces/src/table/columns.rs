@@ -76,9 +76,9 @@ pub(super) const NO_NUMBER: &str = "no number in any row; leave the column out, 
 
 /// Whether a cell says that there is no value, in the words of loggers and spreadsheets.
 pub(super) fn is_missing(cell: &str) -> bool {
-    const WORDS: [&str; 16] = [
+    const WORDS: [&str; 20] = [
         "", "na", "<na>", "n/a", "#n/a", "null", "none", "nil", "nat", "#num!", "#div/0!", "#value!", "-", "--", "---",
-        "\\n",
+        "\\n", "#nv", "#wert!", "∞", "-∞",
     ];
     // 1.#QNAN, -1.#IND and 1.#INF are those of older C libraries.
     WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word)) || cell.trim_start_matches('-').starts_with("1.#")

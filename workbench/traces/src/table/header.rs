@@ -1,7 +1,9 @@
 //! The names of the columns of a text, and their units.
 
 use super::about::About;
-use super::cells::{Kind, Line, are_places, clean, kind, split};
+use super::cells::{Kind, Line, are_places, bare, clean, kind, split};
+use super::keyed;
+use super::preamble;
 use super::rows::Rows;
 use super::twins;
 use crate::units::Unit;
@@ -23,23 +25,44 @@ impl Head {
     /// The header of rows of which the first `used` columns are not empty.
     pub(super) fn of((content, comments): (&[Line<'_>], &[Line<'_>]), rows: &Rows, used: usize) -> Self {
         let cells = |place: usize| content.get(place).map(|line| split(line.text, rows.separator));
-        let named =
-            |place: Option<usize>| place.and_then(|place| Some((place, fitting(cells(place)?, [used, rows.cells])?)));
+        let of_place = |place: Option<usize>, counts: bool| {
+            place.and_then(|place| Some((place, fitting(cells(place)?, [used, rows.cells], counts)?)))
+        };
         if let Some((before, names)) = twins::paired(&content[..rows.first], rows.separator, used) {
             return Self { cells: names.clone(), names, before, step_s: None, further: vec![] };
         }
-        let last = rows.first.checked_sub(1);
+        if let Some((before, names)) = keyed::names(content, (rows.separator, rows.cells, rows.first), used) {
+            return Self { cells: names.clone(), names, before, step_s: None, further: vec![] };
+        }
+        let mut last = rows.first.checked_sub(1);
+        let counts = counts(content, rows);
+        // Below names of several lines pandas writes the name of the first column in a line of its own.
+        let index = last.and_then(&cells).filter(|row| {
+            rows.separator != b' '
+                && row.len() > 2
+                && row.len() == rows.cells
+                && row[1..].iter().all(|cell| cell.is_empty())
+        });
+        if index.is_some() {
+            last = last.and_then(|last| last.checked_sub(1));
+        }
         let units = last.and_then(&cells).filter(|row| rows.has_units || is_units(row, used));
         let given = || cells(0).map(|row| (0, row.into_iter().map(clean).collect::<Vec<_>>()));
-        let (found, units) = match (units, named(last.and_then(|last| last.checked_sub(1)))) {
+        let (found, units) = match (units, of_place(last.and_then(|last| last.checked_sub(1)), counts)) {
             (Some(units), Some(found)) => (Some(found), Some(units)),
             (units, _) if rows.has_units => (given(), units),
-            _ => (named(last), None),
+            _ => (of_place(last, counts), None),
         };
-        let Some((before, all)) = found else {
+        let Some((before, mut all)) = found else {
             return Self::of_comment(comments, content[rows.first].before, (rows, used));
         };
-        let step_s = units.as_ref().and_then(|units| increment(&all, units));
+        if let (Some(index), Some(first)) = (&index, all.first_mut()) {
+            *first = clean(index[0]);
+        }
+        let step_s = units
+            .as_ref()
+            .and_then(|units| increment(&all, units))
+            .or_else(|| told_increment(&all[used.min(all.len())..]));
         let unit = |k: usize| units.as_ref().and_then(|units| units.get(k)).map(|unit| bare(unit));
         let with_unit = |(k, name): (usize, &String)| match unit(k) {
             // A name may have it already.
@@ -85,27 +108,46 @@ impl Head {
 
 /// The cells of a line as names of the columns, the first `used` of which are not empty; `None` if the numbers of cells
 /// and columns differ.
-fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2]) -> Option<Vec<String>> {
+///
+/// A name may be missing before the others only if the rows count in the first column.
+fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2], counts: bool) -> Option<Vec<String>> {
     let count = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+    // A date or a time is no name.
+    if cells.iter().any(|cell| kind(cell, false) == Kind::Time) {
+        return None;
+    }
     if cells.iter().all(|cell| kind(cell, false) != Kind::Word) && !are_places(&cells) {
         return None;
     }
     let all: Vec<String> = cells.into_iter().map(clean).collect();
     // Names that no row has: of the time in units, and of notes that are rare.
     let rare = ["start", "t0", "increment", "tinc", "comment", "comments", "note", "notes"];
-    let is_rare = |name: &String| name.is_empty() || rare.contains(&name.to_lowercase().as_str());
+    let word = |name: &str| name.split('=').next().unwrap_or_default().trim().to_lowercase();
+    let is_rare = |name: &String| name.is_empty() || rare.contains(&word(name).as_str());
     match count {
         _ if count == used || all.len() == used || all.len() == columns => Some(all),
         _ if count > used && all[used..].iter().all(is_rare) => Some(all),
         // Tables of R have no name for their row names.
-        _ if count + 1 == used && used > 2 => Some(std::iter::once("row".to_string()).chain(all).take(used).collect()),
+        _ if count + 1 == used && used > 2 && counts => {
+            Some(std::iter::once("row".to_string()).chain(all).take(used).collect())
+        }
         _ => None,
     }
 }
 
-/// A unit without brackets.
-fn bare(unit: &str) -> &str {
-    unit.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim()
+/// Whether the first column is words, or counts the rows.
+fn counts(content: &[Line<'_>], rows: &Rows) -> bool {
+    let first = |place: usize| content.get(place).and_then(|line| split(line.text, rows.separator).first().copied());
+    let numbers = [first(rows.first), first(rows.first + 1)].map(|cell| cell.and_then(|cell| cell.parse::<f64>().ok()));
+    match numbers {
+        [Some(one), Some(next)] => next - one == 1.0,
+        _ => true,
+    }
+}
+
+/// The step of the time, s, by a cell behind the names such as `tInc = 4.0e-06`.
+fn told_increment(cells: &[String]) -> Option<f64> {
+    cells.iter().find_map(|cell| preamble::of_line(cell))
 }
 
 /// Units of oscilloscopes in words.
@@ -121,8 +163,10 @@ fn long_unit(unit: &str) -> Option<&'static str> {
 /// Whether the first `used` cells of a line are units, or words that stand for none.
 fn is_units(cells: &[&str], used: usize) -> bool {
     let is_unit = |cell: &str| Unit::named(cell).is_some() || long_unit(cell).is_some();
-    let filler =
-        ["", "-", "1", "%", "sequence", "none", "bool", "counts", "count", "w", "hz", "ohm", "date", "datetime"];
+    let filler = [
+        "", "-", "1", "%", "value", "values", "unit", "units", "einheit", "sequence", "none", "bool", "counts",
+        "count", "w", "hz", "ohm", "date", "datetime",
+    ];
     let own: Vec<&str> = cells.iter().take(used).map(|cell| bare(cell)).collect();
     let known = |cell: &&str| is_unit(cell) || filler.contains(&cell.to_lowercase().as_str());
     own.len() == used && own.iter().all(known) && own.iter().any(|cell| is_unit(cell))

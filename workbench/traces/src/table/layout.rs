@@ -12,8 +12,11 @@
 //! two lines that have these columns. A comma is decimal where a cell can be nothing else.
 
 use super::about::About;
-use super::cells::{Line, clean, grouped, is_decimal_comma, lines, split, start_of_line, truth};
+use super::cells::{
+    Line, clean, grouped, is_decimal_comma, lines, plain_number, plainly_grouped, split, start_of_line, truth,
+};
 use super::clock::Clock;
+use super::fraction;
 use super::header::Head;
 use super::preamble;
 use super::rows::Rows;
@@ -28,6 +31,8 @@ const BYTES: usize = 256 << 10;
 const TIMES: usize = 64;
 /// Lines that a text has to have before its layout is taken for settled.
 const SETTLED: usize = 12;
+/// Part of a rate by which another time has another one.
+const OTHER_RATE: f64 = 0.1;
 /// Least values of a time that are read relative to the first one: below it a double has enough digits.
 const LARGE_TIME: f64 = 1e6;
 
@@ -49,6 +54,8 @@ pub(super) struct Layout {
     /// Columns that are times.
     pub(super) clocks: Vec<(usize, Clock)>,
     pub(super) about: About,
+    /// The line before the rows of a text whose commas separate cells and decimals.
+    pub(super) both_commas: Option<usize>,
 }
 
 impl Layout {
@@ -74,7 +81,11 @@ impl Layout {
         let separators = given.as_ref().map_or(&usual[..], |own| own);
         let found = separators.iter().filter_map(|separator| Rows::of(&content, *separator, form));
         // The first of equals: with decimal commas, a comma may separate as many columns.
-        let best = found.reduce(|best, other| if other.columns() > best.columns() { other } else { best });
+        let best = found.reduce(|best, other| {
+            // Blanks also separate date and time: where another mark leaves nothing but numbers and times, it stands.
+            let stands = other.separator == b' ' && best.separator != b',' && best.columns() == best.cells;
+            if other.columns() > best.columns() && !stands { other } else { best }
+        });
         match best {
             Some(rows) => Self::with(&rows, (&content, &comments), (comment, form)),
             None => Self::without_rows(&content, (comment, separators)),
@@ -90,11 +101,11 @@ impl Layout {
     /// The number in a cell.
     pub(super) fn number(&self, cell: &str) -> Option<f64> {
         let word = || truth(cell).or_else(|| grouped(cell, self.decimal_comma).filter(|_| self.thousands));
-        if let Some(number) = word() {
+        if let Some(number) = word().or_else(|| plainly_grouped(cell, self.decimal_comma)) {
             return Some(number);
         }
         if !self.decimal_comma {
-            return cell.parse().ok();
+            return plain_number(cell);
         }
         // A point beside decimal commas separates thousands.
         if cell.contains('.') { None } else { cell.replacen(',', ".", 1).parse().ok() }
@@ -112,7 +123,18 @@ impl Layout {
         let first = first.map_or(0, |line| line.end);
         let about = About::default();
         let (decimal_comma, thousands) = (false, false);
-        Self { separator, decimal_comma, thousands, comment, names, header, first, clocks: vec![], about }
+        Self {
+            separator,
+            decimal_comma,
+            thousands,
+            comment,
+            names,
+            header,
+            first,
+            clocks: vec![],
+            about,
+            both_commas: None,
+        }
     }
 
     fn with(
@@ -126,7 +148,11 @@ impl Layout {
         let any = |wanted: fn(&str) -> bool| of_rows.iter().flatten().any(|cell| wanted(cell));
         let decimal_comma = match form.decimal {
             Some(mark) => mark == Decimal::Comma,
-            None => separator != b',' && any(is_decimal_comma),
+            // Beside commas that separate cells, such a number is quoted, and no other one has a point.
+            None if separator == b',' => {
+                any(is_decimal_comma) && !any(|cell| cell.contains('.') && plain_number(cell).is_some())
+            }
+            None => any(is_decimal_comma),
         };
         let mut about = About::default();
         let is_empty = |k: &usize| of_rows.iter().all(|row| row[*k].is_empty());
@@ -134,7 +160,6 @@ impl Layout {
         let head = Head::of((content, comments), rows, used);
         head.doubts(content, first, &mut about);
         about.step_s = head.step_s;
-        let before = head.before;
         let mut names = head.names;
         names.resize(cells, String::new());
         let own = Self {
@@ -147,14 +172,17 @@ impl Layout {
             first: content[first].before,
             clocks: vec![],
             about,
+            both_commas: both_commas(rows, (content, &of_rows)),
         };
-        let before = if own.header.is_empty() { first } else { before };
         let mut own = own.with_clocks(&of_rows);
         let is_time = |k: usize| time_name::usual(&own.names[k]).is_some() && !own.about.counters.contains(&k);
-        match (0..cells).find(|k| is_time(*k)) {
-            Some(time) => own.find_twins(&of_rows, time, content[first].before),
-            None if own.about.step_s.is_none() && own.clocks.is_empty() => {
-                own.about.step_s = preamble::step_s(&content[..before], comments, &mut own.about);
+        match (0..cells).find(|k| is_time(*k)).or_else(|| own.about.clocks.first().copied()) {
+            Some(time) => {
+                own.find_twins(&of_rows, time, content[first].before);
+                own.about.fraction = fraction::of(&own.names, &of_rows, time, |cell| own.number(cell));
+            }
+            None if own.about.step_s.is_none() => {
+                own.about.step_s = preamble::step_s(&content[..first], comments, &mut own.about);
             }
             None => {}
         }
@@ -163,6 +191,10 @@ impl Layout {
 
     /// Finds the columns that repeat the time for each channel, and those that have other times.
     fn find_twins(&mut self, rows: &[Vec<&str>], time: usize, before: usize) {
+        // A name without a word for the time says nothing of others with its beginning.
+        if time_name::usual(&self.names[time]).is_none() && time_name::seconds(&self.names[time]).is_none() {
+            return;
+        }
         for (place, differs) in twins::twins(&self.names, rows, time) {
             match differs {
                 None => {
@@ -175,6 +207,24 @@ impl Layout {
                 }
             }
         }
+        if let Some(place) = self.other_rate(rows, time) {
+            self.about.other_times.get_or_insert((place, (before + 2) as u64));
+        }
+    }
+
+    /// A further column that begins with the same word for the time, and has another rate.
+    fn other_rate(&self, rows: &[Vec<&str>], time: usize) -> Option<usize> {
+        let word = |k: usize| self.names[k].split([' ', '_', '[', '(']).next().unwrap_or_default();
+        let step = |k: usize| {
+            let values: Vec<f64> = rows.iter().map_while(|row| self.number(row[k])).collect();
+            let rises = values.len() >= SETTLED && values.is_sorted_by(|one, next| one < next);
+            rises.then(|| (values[values.len() - 1] - values[0]) / (values.len() - 1) as f64)
+        };
+        let seconds = |k: usize| Some(step(k)? * time_name::seconds(&self.names[k])?);
+        let own = seconds(time)?;
+        (time + 1..self.names.len())
+            .filter(|k| word(*k) == word(time))
+            .find(|k| seconds(*k).is_some_and(|other| (other / own - 1.0).abs() > OTHER_RATE))
     }
 
     /// Finds the columns that are times.
@@ -190,12 +240,15 @@ impl Layout {
         let stands = |k: usize| cells(k).all(|cell| cells(k).next() == Some(cell));
         self.clocks.sort_by_key(|(k, _)| stands(*k));
         let named = (0..self.names.len()).find_map(|k| Some((k, time_name::usual(&self.names[k])?)));
-        let without_header = self.header.is_empty() && self.clocks.is_empty();
-        let place = named.or_else(|| (without_header && self.rises(rows)).then_some((0, None)));
+        let place = named.or_else(|| self.unnamed_time(rows));
         let Some((place, unit)) = place.filter(|(place, _)| self.clocks.iter().all(|(k, _)| k != place)) else {
             return self.told();
         };
         let values: Vec<f64> = cells(place).filter_map(|cell| self.number(cell)).collect();
+        if rows.len() >= SETTLED && cells(place).next().is_none() {
+            // A column of times that nobody filled is none.
+            self.about.counters.push(place);
+        }
         let Some(first) = cells(place).next().filter(|_| values.len() > 1) else { return self.told() };
         let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
         let step = model::trace::median(&steps);
@@ -212,28 +265,48 @@ impl Layout {
             Guess::Seconds => {
                 self.clocks.extend(Clock::of_numbers(first, 1.0, self.decimal_comma).map(|own| (place, own)));
             }
-            Guess::Other(_, "") if values[0].abs() < LARGE_TIME => {}
+            Guess::Other(_, "") if values[0].abs() < LARGE_TIME && named.is_some() => {}
             Guess::Other(unit, told) => {
                 self.clocks.extend(Clock::of_numbers(first, unit, self.decimal_comma).map(|own| (place, own)));
                 if !told.is_empty() {
                     let rate = 1.0 / (step * unit);
-                    let why = "the unit is guessed by its steps; a name such as";
+                    // Of days and ticks no name says that they are counted.
+                    let settles = if unit < 1.0 && !told.contains(' ') {
+                        format!("a name such as {name}_{told} settles it")
+                    } else {
+                        "--time none and --rate-hz settle it".into()
+                    };
                     self.about.notes.push(format!(
-                        "time {name} is taken in {told}, {rate:.6} rows a second: {why} {name}_{told} settles it"
+                        "time {name} is taken in {told}, {rate:.6} rows a second: the unit is guessed by its values; \
+                         {settles}"
                     ));
                 }
             }
         }
         if named.is_none() {
-            self.about.notes.push(time_name::by_rise("header", &name));
+            self.about.notes.push(match unit {
+                Some(_) => time_name::by_unit(&name),
+                None => time_name::by_rise("header", &name),
+            });
         }
         self.told()
     }
 
-    /// Whether the first column rises in each row, and does not count them.
-    fn rises(&self, rows: &[Vec<&str>]) -> bool {
-        let values: Vec<f64> = rows.iter().filter_map(|row| self.number(row[0])).collect();
-        values.len() == rows.len() && values.len() >= SETTLED && time_name::rises(&values)
+    /// A time without the name of one, if no column has dates: the first column whose unit is one of the time, if it
+    /// rises in each row; without a header the first column of numbers, if it also does not count the rows.
+    fn unnamed_time(&self, rows: &[Vec<&str>]) -> Option<(usize, Option<f64>)> {
+        if !self.clocks.is_empty() || rows.len() < SETTLED {
+            return None;
+        }
+        let values = |k: usize| rows.iter().map(|row| self.number(row[k])).collect::<Option<Vec<f64>>>();
+        let rises = |k: usize| values(k).is_some_and(|values| values.is_sorted_by(|one, next| one < next));
+        let by_unit =
+            (0..self.names.len()).find_map(|k| Some((k, time_name::seconds(&self.names[k]).filter(|_| rises(k))?)));
+        let by_rise = || {
+            let (k, values) = (0..self.names.len()).find_map(|k| Some((k, values(k)?)))?;
+            (self.header.is_empty() && time_name::rises(&values)).then_some((k, None))
+        };
+        by_unit.map(|(k, unit)| (k, Some(unit))).or_else(by_rise)
     }
 
     fn told(mut self) -> Self {
@@ -241,6 +314,15 @@ impl Layout {
         self.about.ticks_s = self.clocks.iter().filter_map(|(place, clock)| Some((*place, clock.unit_s()?))).collect();
         self
     }
+}
+
+/// The last line of half as many names as the rows have cells, if these are whole numbers between commas.
+fn both_commas(rows: &Rows, (content, of_rows): (&[Line<'_>], &[Vec<&str>])) -> Option<usize> {
+    let is_whole = |cell: &&str| cell.trim_start_matches('-').bytes().all(|byte| byte.is_ascii_digit());
+    let last = content.get(rows.first.checked_sub(1)?)?;
+    let names = split(last.text, b',');
+    let fits = rows.separator == b',' && 2 * names.len() == rows.cells && names.iter().all(|name| !is_whole(name));
+    (fits && of_rows.iter().flatten().all(is_whole)).then_some(last.end)
 }
 
 #[cfg(test)]
@@ -288,6 +370,55 @@ mod tests {
         expect("0,1,2\n0.5,2.5,7\n0.6,2.5,7\n", (',', false, "0 1 2", 1));
         expect("a b\n1 0.5 7\n2 0.6 8\n3 0.7 9\n", (' ', false, "row a b", 1));
         assert_eq!(layout("\"t\n(s)\",i\n1,2\n3,4\n"), (',', false, vec!["t (s)".to_string(), "i".into()], 2));
+    }
+
+    fn rows(row: impl Fn(usize) -> String) -> String {
+        (0..40).map(row).collect()
+    }
+
+    #[test]
+    fn a_time_may_be_told_by_its_unit_alone() {
+        let data = rows(|k| format!("{},{}.5,{}\n", -0.02 + k as f64 / 1e3, k % 7, k % 5));
+        for head in
+            ["x-axis,1,2\nsecond,Volt,Ampere\n", "in s,C1 in V,C2 in A\n", "Source,CH1,CH2\nSecond,Value,Value\n"]
+        {
+            let found = of(&format!("{head}{data}"));
+            assert_eq!(found.about.clocks, [0], "{head}");
+            assert!(found.about.notes[0].contains("has a unit of time"), "{:?}", found.about.notes);
+        }
+        let falls = rows(|k| format!("{}.5,{}\n", 7 - k % 7, k % 5));
+        assert!(of(&format!("delay [ms],i\n{falls}")).about.clocks.is_empty());
+    }
+
+    #[test]
+    fn a_second_time_of_another_rate_is_found() {
+        let slow = |name: &str| {
+            let data = rows(|k| format!("{:.3};1,5;{:.2};20,1\n", k as f64 / 1e3, k as f64 / 1e2).replace('.', ","));
+            of(&format!("Time 1 - fast [s];i [A];{name};T\n{data}")).about.other_times
+        };
+        assert_eq!((slow("Time 2 - slow [s]"), slow("on [s]")), (Some((2, 3)), None));
+    }
+
+    #[test]
+    fn names_are_found_by_their_keys_and_above_the_name_of_the_first_column() {
+        let data = rows(|k| format!("\"\",{}.5,{}\n", k % 7, k % 5));
+        let found =
+            of(&format!("\"TraceName\",\"i\",\"n\"\n\"VUnit\",\"A\",\"rpm\"\n\"SampleRate\",2000,2000\n{data}"));
+        assert_eq!((found.names.join("|"), found.about.step_s), ("|i [A]|n [rpm]".into(), Some(5e-4)));
+        let data = rows(|k| format!("{},{}.5,{}\n", k as f64 / 1e3, k % 7, k % 5));
+        let found = of(&format!("signal,i,n\nunit,A,rpm\nt_s,,\n{data}"));
+        assert_eq!((found.names.join("|"), found.first), ("t_s|i [A]|n [rpm]".into(), 3));
+        // Words of a boot are no names.
+        let data = rows(|k| format!("{},{}.5,{}\n", 533 + 2 * k, k % 7, k % 5));
+        assert!(of(&format!("sensor ok, starting\n{data}")).header.is_empty());
+    }
+
+    #[test]
+    fn commas_that_separate_and_are_decimal_are_refused_but_not_in_quotes() {
+        let data = rows(|k| format!("0,0{k:02},1,{}\n", k % 7));
+        assert_eq!(of(&format!("t,i\n{data}")).both_commas, Some(1));
+        let quoted = of(&format!("t,i\n{}", rows(|k| format!("\"0,00{k:02}\",\"1,{}\"\n", k % 7))));
+        assert_eq!((quoted.both_commas, quoted.decimal_comma, quoted.number("1,5")), (None, true, Some(1.5)));
     }
 
     #[test]

@@ -33,10 +33,12 @@ mod digits;
 mod doubles;
 mod encoding;
 mod formats;
+pub(crate) mod fraction;
 pub mod from_first;
 #[cfg(feature = "matlab")]
 mod hdf5;
 mod header;
+mod keyed;
 mod layout;
 mod limit;
 mod lines;

@@ -5,7 +5,7 @@ use super::cells::Line;
 use crate::units::{Quantity, Unit};
 
 /// Names of a rate, and of the time from row to row, in lower case and without marks.
-const RATES: [&str; 8] = [
+const RATES: [&str; 11] = [
     "samplerate",
     "samplingrate",
     "samplefrequency",
@@ -14,8 +14,11 @@ const RATES: [&str; 8] = [
     "rate",
     "ratehz",
     "frequencyofsamples",
+    "abtastrate",
+    "abtastfrequenz",
+    "messrate",
 ];
-const STEPS: [&str; 9] = [
+const STEPS: [&str; 16] = [
     "sampleinterval",
     "samplinginterval",
     "sampletime",
@@ -24,6 +27,13 @@ const STEPS: [&str; 9] = [
     "increment",
     "deltax",
     "xincr",
+    "xinc",
+    "tinc",
+    "hresolution",
+    "deltat",
+    "samplingperiod",
+    "sampleperiod",
+    "abtastzeit",
     "dt",
 ];
 
@@ -36,8 +46,13 @@ pub(super) fn step_s(lines: &[Line<'_>], comments: &[Line<'_>], about: &mut Abou
     Some(step_s)
 }
 
+/// The step, s, of a value of this name, such as `fs` or `dt`.
+pub(super) fn of_value(name: &str, value: f64) -> Option<f64> {
+    of_line(&format!("{name}={value}"))
+}
+
 /// By a line such as `Sample Rate,2000`, `# fs = 20 kHz`, `Delta_X\t0.001`.
-fn of_line(line: &str) -> Option<f64> {
+pub(super) fn of_line(line: &str) -> Option<f64> {
     let line = line.trim_start_matches(['#', '%', ';']).trim();
     let at = line.find([',', ';', '\t', '=', ':'])?;
     let (name, rest) = line.split_at(at);

@@ -1,6 +1,7 @@
 //! Where the rows of a text begin, by one separator.
 
 use super::cells::{Kind, Line, are_places, grouped, kind, split};
+use super::keyed;
 use model::trace::{Decimal, TextForm};
 
 /// The rows by one separator.
@@ -26,9 +27,8 @@ impl Rows {
         let all: Vec<Vec<&str>> = content.iter().map(|line| split(line.text, separator)).collect();
         let count = |cells: usize| all.iter().filter(|row| row.len() == cells).count();
         let cells = all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells))?;
-        let commas = separator != b',';
         let is_grouped = |cell: &str| form.decimal.is_some_and(|mark| grouped(cell, mark == Decimal::Comma).is_some());
-        let kind = |cell: &str| if is_grouped(cell) { Kind::Number } else { kind(cell, commas) };
+        let kind = |cell: &str| if is_grouped(cell) { Kind::Number } else { kind(cell, true) };
         let kinds = |row: &Vec<&str>| row.iter().map(|cell| kind(cell)).collect::<Vec<_>>();
         let late = &all[all.len() / 3..];
         let of_late: Vec<Vec<Kind>> = late.iter().filter(|row| row.len() == cells).map(kinds).collect();
@@ -56,6 +56,7 @@ impl Rows {
         let is_row = |row: &Vec<&str>| row.len() == cells && matches!(kind(row[place]), Kind::Number | Kind::Time);
         let first = first - all[..first].iter().rev().take_while(|row| is_row(row)).count();
         let is_given = form.separator.is_some();
+        let first = if separator == b' ' { first } else { keyed::first_row(&all, first) };
         let found = Self { separator, is_given, cells, numeric, first, has_units: form.units_row };
         if form.units_row {
             return (found.columns() > 0).then_some(Self { first: before, ..found });

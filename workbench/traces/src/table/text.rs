@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use crate::table::about::About;
-use crate::table::cells::{is_complex, split, start_of_line};
+use crate::table::cells::{Kind, is_complex, kind, split, start_of_line};
 use crate::table::columns::{Columns, LARGEST, Wanted, is_missing, too_large};
 use crate::table::layout::Layout;
 use crate::table::lines::Lines;
@@ -22,6 +22,8 @@ use model::trace::TextForm;
 /// Bytes of a file from which it is read in pieces, and of its start, which has the layout.
 const LARGE: u64 = 4 << 20;
 const HEAD: u64 = 64 << 10;
+/// Lines of words behind the rows from which they are no end.
+const TRAILING: usize = 5;
 
 /// A text file and its layout.
 #[derive(Debug)]
@@ -51,8 +53,13 @@ impl Text {
             }
         };
         let layout = Layout::of(content.head(), form);
+        if let Some(line) = layout.both_commas {
+            let problem =
+                "commas separate the cells and are decimal marks; export it with semicolons, or with decimal points";
+            return Err(Error::content(path, format!("line {}", line + 1), problem));
+        }
         let mut own = Self { content, layout };
-        own.leave_out_cut_line(path)?;
+        own.leave_out_end(path)?;
         let of_layout = std::mem::take(&mut own.layout.about);
         let notes = std::mem::take(&mut about.notes);
         *about = About { notes: [notes, of_layout.notes.clone()].concat(), ..of_layout };
@@ -64,8 +71,8 @@ impl Text {
         self.layout.names.clone()
     }
 
-    /// Leaves the last line out if the file ends inside it.
-    fn leave_out_cut_line(&mut self, path: &Path) -> Result<(), Error> {
+    /// Leaves the last line out if the file ends inside it, and lines of words behind the rows, such as (1000 rows).
+    fn leave_out_end(&mut self, path: &Path) -> Result<(), Error> {
         let tail = match &self.content {
             Content::Whole(text) => Cow::Borrowed(&text.as_bytes()[text.len() - text.len().min(HEAD as usize)..]),
             Content::Large(_, bytes) => {
@@ -76,21 +83,40 @@ impl Text {
                 Cow::Owned(tail)
             }
         };
-        let Some(feed) = tail.iter().rposition(|byte| *byte == b'\n').filter(|feed| feed + 1 < tail.len()) else {
-            return Ok(());
-        };
-        let last = String::from_utf8_lossy(&tail[feed + 1..]).into_owned();
-        let cells = split(&last, self.layout.separator).len();
-        let cut = tail.len() - feed - 1;
-        if last.trim().is_empty() || cells >= self.layout.names.len() || self.layout.names.len() < 2 {
+        let columns = self.layout.names.len();
+        let (mut end, mut words) = (tail.len(), Vec::new());
+        while columns > 1 && words.len() < TRAILING {
+            // The feed before the last line; what is before it stays.
+            let body = &tail[..end];
+            let line_end = if body.ends_with(b"\n") { end - 1 } else { end };
+            let Some(feed) = tail[..line_end].iter().rposition(|byte| *byte == b'\n') else { break };
+            let last = String::from_utf8_lossy(&tail[feed + 1..line_end]).into_owned();
+            let cells = split(&last, self.layout.separator);
+            let is_cut = end == tail.len() && line_end == end && cells.len() < columns;
+            let is_words = cells.len() != columns && cells.iter().all(|cell| kind(cell, true) == Kind::Word);
+            match last.trim() {
+                "" => {}
+                own if is_words => words.push(own.to_string()),
+                _ if is_cut => {
+                    let why = format!("the file ends inside it: {} cells of {columns}", cells.len());
+                    self.layout.about.omit("the last line", why);
+                }
+                _ => break,
+            }
+            end = feed + 1;
+        }
+        // Too many are no end.
+        if words.len() == TRAILING {
             return Ok(());
         }
+        if let Some(first) = words.last() {
+            self.layout.about.omit("the end of the file", format!("words behind the rows, from \"{first}\" on"));
+        }
+        let cut = tail.len() - end;
         match &mut self.content {
             Content::Whole(text) => text.truncate(text.len() - cut),
             Content::Large(_, bytes) => *bytes -= cut as u64,
         }
-        let columns = self.layout.names.len();
-        self.layout.about.omit("the last line", format!("the file ends inside it: {cells} cells of {columns}"));
         Ok(())
     }
 
@@ -261,6 +287,9 @@ fn large(path: &Path, form: &TextForm) -> Result<Option<(String, u64)>, Error> {
     let about = file.metadata().map_err(Error::io(path))?;
     let mut head = Vec::new();
     file.take(HEAD).read_to_end(&mut head).map_err(Error::io(path))?;
+    if head.starts_with(b"PK\x03\x04") {
+        return Err(Error::content(path, "content", "a ZIP archive; unpack it, and save sheets as CSV"));
+    }
     if is_binary(&head) {
         return Err(Error::content(path, "content", "no text; save the recording as CSV, MATLAB or Parquet"));
     }
@@ -391,6 +420,15 @@ mod tests {
         }
         let (names, columns) = table("a.csv", b"1,2\n3,4\n").expect("without a header");
         assert_eq!((names, columns.numbers[0].len()), (vec!["c1".to_string(), "c2".into()], 2));
+    }
+
+    #[test]
+    fn words_behind_the_rows_are_left_out_and_archives_are_told() {
+        let (_, columns) = table("a.txt", b" t | i\n---+---\n 0.5 | 1\n 1.5 | 2\n(2 rows)\n\n").expect("a table");
+        assert_eq!(columns.numbers, [[0.5, 1.5], [1.0, 2.0]]);
+        let inside = table("a.csv", b"t,i\n0.5,1\n1.5,1\n2.5,1\nbuffer overrun\n3.5,2\n").expect_err("inside");
+        assert!(inside.contains("line 5: 1 cells"), "{inside}");
+        assert!(table("a.csv", b"PK\x03\x04....").expect_err("packed").contains("a ZIP archive; unpack it"));
     }
 
     /// A large file is read in pieces, and as one text if it has to be; the numbers and messages are the same.

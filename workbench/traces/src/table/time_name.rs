@@ -7,9 +7,20 @@ const PLAUSIBLE_HZ: [f64; 2] = [5.0, 2e6];
 /// Units of times that are tried, and the power of ten of the seconds since 1970 in each.
 const UNITS: [(&str, f64, i32); 4] = [("s", 1.0, 9), ("ms", 1e-3, 12), ("us", 1e-6, 15), ("ns", 1e-9, 18)];
 
+/// Ticks of Windows and of .NET from 1980 to 2100, and their length.
+const TICKS: [[f64; 2]; 2] = [[1.196e17, 1.575e17], [6.24e17, 6.63e17]];
+const TICK_S: f64 = 1e-7;
+/// Days of spreadsheets and of MATLAB from 1980 to 2100.
+const DAYS: [[f64; 2]; 2] = [[29_221.0, 73_051.0], [723_181.0, 767_011.0]];
+const DAY_S: f64 = 86_400.0;
+/// Rows a second from which numbers in these ranges are days: 5 rows a second as days would be 432 000 as seconds.
+const FASTEST_HZ: f64 = 4e5;
+
 /// Seconds of the unit that the name of a column ends with.
 pub(crate) fn seconds(name: &str) -> Option<f64> {
-    let unit = Unit::of_column(name).filter(|unit| unit.quantity == Quantity::Time)?;
+    // Oscilloscopes write: in s.
+    let unit = Unit::of_column(name).or_else(|| Unit::named(name.trim().strip_prefix("in ")?));
+    let unit = unit.filter(|unit| unit.quantity == Quantity::Time)?;
     unit.to(&Unit::named("s")?).map(|(factor, _)| factor)
 }
 
@@ -21,8 +32,8 @@ pub(crate) fn usual(name: &str) -> Option<Option<f64>> {
         return None;
     }
     let lower = trimmed.to_lowercase();
-    // Units alone.
-    match lower.as_str() {
+    // Units alone, also as the last part of a path: header.stamp.secs.
+    match lower.rsplit('.').next().unwrap_or_default() {
         "seconds" | "secs" | "sec" => return Some(Some(1.0)),
         "ms_today" | "milliseconds" | "millis" | "msec" => return Some(Some(1e-3)),
         "microseconds" | "micros" | "usec" => return Some(Some(1e-6)),
@@ -30,7 +41,8 @@ pub(crate) fn usual(name: &str) -> Option<Option<f64>> {
     }
     let is_mark = |c: char| matches!(c, '_' | '[' | '(' | ' ' | '/');
     let word = lower.split(is_mark).next().unwrap_or_default();
-    let known = ["t", "time", "timestamp", "timestamps", "zeit", "temps", "tijd", "tiempo", "datetime", "x_value"];
+    let known =
+        ["t", "time", "timestamp", "timestamps", "zeit", "temps", "tijd", "tiempo", "datetime", "datenum", "x_value"];
     let is_time = known.contains(&word) || known.contains(&lower.as_str());
     let rest = lower.strip_prefix(word).unwrap_or_default();
     // Elapsed Time [s]
@@ -60,6 +72,13 @@ pub(crate) fn by_rise(lacks: &str, name: &str) -> String {
     format!("no {lacks}; column {name} rises in each row and is taken as the time in s, --time none leaves it out")
 }
 
+/// What is said where a column is taken for the time by its unit.
+pub(crate) fn by_unit(name: &str) -> String {
+    format!(
+        "column {name} has a unit of time and rises in each row, and is taken as the time; --time none leaves it out"
+    )
+}
+
 /// The unit of times whose column has none.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Guess {
@@ -77,6 +96,15 @@ pub(crate) fn unit(first: f64, step: f64, integers: bool) -> Guess {
     let since_1970 = |power: i32| (1.0..=4.0).contains(&(first / 10_f64.powi(power)));
     if let Some((name, unit, _)) = UNITS.iter().find(|(_, unit, power)| since_1970(*power) && plausible(*unit)) {
         return if *unit == 1.0 { Guess::Seconds } else { Guess::Other(*unit, name) };
+    }
+    let is_since = |ranges: [[f64; 2]; 2]| ranges.iter().any(|range| (range[0]..range[1]).contains(&first));
+    // Ticks of 100 ns since 1601 or since the year 1.
+    if integers && is_since(TICKS) && plausible(TICK_S) {
+        return Guess::Other(TICK_S, "ticks of 100 ns");
+    }
+    // As seconds such steps would be rows of a rate that no drive records.
+    if !integers && is_since(DAYS) && 1.0 / step > FASTEST_HZ && plausible(DAY_S) {
+        return Guess::Other(DAY_S, "days");
     }
     if !integers || step < 1.0 {
         return Guess::Seconds;
@@ -139,5 +167,9 @@ mod tests {
         assert_eq!(unit(1_764_200_000_000.0, 1.0, true), Guess::Other(1e-3, "ms"));
         assert_eq!(unit(1.7642e15, 250.0, true), Guess::Other(1e-6, "us"));
         assert_eq!(unit(1.7642e18, 250_000.0, true), Guess::Other(1e-9, "ns"));
+        assert_eq!(unit(1.340_856_72e17, 5000.0, true), Guess::Other(1e-7, "ticks of 100 ns"));
+        assert_eq!(unit(46_352.4, 0.01 / 86_400.0, false), Guess::Other(86_400.0, "days"));
+        assert_eq!(unit(740_312.4, 0.01 / 86_400.0, false), Guess::Other(86_400.0, "days"));
+        assert_eq!(unit(46_352.4, 5e-5, false), Guess::Seconds);
     }
 }
