@@ -63,11 +63,10 @@ impl Watch {
         }
     }
 
-    /// Ends the run and prints the last line.
-    pub fn end(&mut self, sampler: &Sampler) {
-        let end = if self.monitor.end_run().is_some() { ", ALARM" } else { "" };
+    /// Prints the last line.
+    pub fn end(&self, sampler: &Sampler) {
         let (segments, lost, clear) = (self.segments, sampler.lost, sampler.front_end.faults().is_clear());
-        say!("{segments} segments, {lost} lost, front end clear: {clear}{end}");
+        say!("{segments} segments, {lost} lost, front end clear: {clear}");
     }
 }
 

@@ -246,7 +246,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// has a verdict if half of it follows this call and is usable. Fading memory begins anew.
     ///
     /// If less than half of the segment had passed, the fault may have begun in the segment before: [`Monitor`] then
-    /// withdraws the report of that one, which its evidence has not taken yet.
+    /// takes the report of that one out of its evidence again.
     #[cold]
     #[inline(never)]
     pub fn discard(&mut self) {

@@ -3,13 +3,14 @@
 //! ```text
 //! interrupt   Detector::collect ─► Segment ─┐
 //! main loop                                 ▼
-//! Monitor     solve ─► Report, held ─► Evidence ─► Alarm
-//!                            ▲
-//!                            └ withdrawn if the next segment says that a fault was found late
+//! Monitor     solve ─► Report ─► Evidence ─► Alarm
+//!                         ▲
+//!                         └ withdrawn if the next segment says that a fault was found late
 //! ```
 //!
-//! The evidence takes a report with the segment behind it, or where the run ends: a fault that [`Detector::discard`]
-//! finds in the first half of a segment may have begun in the one before.
+//! A fault that [`Detector::discard`](super::Detector::discard) finds in the first half of a segment may have begun in
+//! the one before. The monitor keeps the evidence from before each report until the next segment, and takes the report
+//! out again if that one puts it in doubt.
 
 use super::sequence::Sequence;
 use super::solver::{PIECE, Segment, Solve};
@@ -37,7 +38,7 @@ use crate::report::Report;
 /// # }
 /// ```
 ///
-/// A report that may still be withdrawn cannot reach the evidence:
+/// The evidence takes each report once, from the monitor alone:
 ///
 /// ```compile_fail
 /// # use bearing_watch::{Model, Monitor, Segment, plan::Plan};
@@ -61,8 +62,10 @@ use crate::report::Report;
 pub struct Monitor<'m, P: Plan> {
     model: &'m Model<P>,
     evidence: Evidence<P>,
+    /// The evidence without the report, in case that is withdrawn.
+    evidence_before: Evidence<P>,
     baseline: Option<Baseline<P>>,
-    /// Offset of the baseline, and whether it is at its bound, before the held report moved it.
+    /// Offset of the baseline, and whether it is at its bound, before the report moved it.
     offset_before: (Array<P::Coordinates, f32>, bool),
     segment: Option<Segment<P>>,
     solve: Solve<P>,
@@ -76,12 +79,12 @@ pub struct Monitor<'m, P: Plan> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Work {
-    /// Nothing, or a report that the evidence has taken.
+    /// Nothing, or a report that stands.
     Settled,
     /// The segment is being solved.
     Solving,
-    /// A report that the evidence has not taken.
-    Held,
+    /// A report that the next segment may withdraw.
+    Doubtable,
 }
 
 /// What is known with the last segment.
@@ -89,7 +92,7 @@ enum Work {
 pub struct Conclusion<'a, P: Plan> {
     /// The verdict on the segment, with the results behind it. It may be withdrawn until the next segment.
     pub report: &'a Report<P>,
-    /// The alarm that stands, by the segments before.
+    /// The alarm that stands. It goes again if the report that raised it is withdrawn.
     pub alarm: Option<Alarm>,
     /// Whether no segment has had a verdict for too long.
     pub silence: Option<Silence>,
@@ -103,6 +106,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         Self {
             model,
             evidence: model.evidence(),
+            evidence_before: model.evidence(),
             baseline: None,
             offset_before: (Cells::filled(plan.layout().coordinates as usize, 0.0), false),
             segment: None,
@@ -124,6 +128,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Sets other limits for the silence than [`SilenceLimits::USUAL`].
     pub const fn limit_silence(&mut self, limits: SilenceLimits) {
         self.evidence.limit_silence(limits);
+        self.evidence_before.limit_silence(limits);
     }
 
     /// Solves a closed segment. For a main loop that has other work in between: [`Monitor::take`] and
@@ -135,7 +140,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     }
 
     /// Takes a closed segment, which [`Monitor::advance`] solves in pieces; what is left of the one before is solved at
-    /// once. The evidence takes the report before, unless this segment puts it in doubt.
+    /// once. The report before is withdrawn if this segment puts it in doubt, and stands otherwise.
     pub fn take(&mut self, segment: Segment<P>) {
         self.settle(segment.sequence.doubts_that(self.sequence));
         self.sequence = segment.sequence;
@@ -156,7 +161,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         if !self.solve.advance(self.model, segment, &mut self.report, PIECE) {
             return None;
         }
-        self.hold();
+        self.judge();
         Some(self.conclusion())
     }
 
@@ -164,12 +169,12 @@ impl<'m, P: Plan> Monitor<'m, P> {
     fn finish(&mut self) {
         let (Work::Solving, Some(segment)) = (self.work, &mut self.segment) else { return };
         self.solve.run(self.model, segment, &mut self.report);
-        self.hold();
+        self.judge();
     }
 
-    /// Holds the report back. The baseline has moved it, if there is one.
-    fn hold(&mut self) {
-        self.work = Work::Held;
+    /// Gives the report to the evidence, relative to the baseline, if there is one.
+    fn judge(&mut self) {
+        self.work = Work::Doubtable;
         if let Some(baseline) = &mut self.baseline {
             let (offset, at_bound) = &mut self.offset_before;
             offset.cells_mut().iter_mut().zip(baseline.offset()).for_each(|(cell, x)| *cell = *x);
@@ -177,21 +182,21 @@ impl<'m, P: Plan> Monitor<'m, P> {
             self.model.follow(baseline, &mut self.report);
         }
         self.model.log(&self.report);
+        self.evidence_before.clone_from(&self.evidence);
+        self.evidence.observe_outcome(self.report.outcome());
     }
 
-    /// Gives the held report to the evidence, withdrawn if it is in doubt.
+    /// Withdraws the report if it is in doubt: baseline and evidence are as without it.
     fn settle(&mut self, doubtful: bool) {
         self.finish();
-        if self.work != Work::Held {
-            return;
-        }
-        if doubtful {
+        if self.work == Work::Doubtable && doubtful {
             self.report.doubt();
             if let Some(baseline) = &mut self.baseline {
                 baseline.restore(self.offset_before.0.cells(), self.offset_before.1);
             }
+            self.evidence.clone_from(&self.evidence_before);
+            self.evidence.observe_outcome(self.report.outcome());
         }
-        self.evidence.observe_outcome(self.report.outcome());
         self.work = Work::Settled;
     }
 
@@ -211,8 +216,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         (self.segment.is_some() && self.work != Work::Solving).then_some(&self.report)
     }
 
-    /// Ends a run, as at power-down or where a session ends: the evidence takes the last report, too. Returns the alarm
-    /// that stands.
+    /// Ends a run, as at power-down or where a session ends; the last report stands. Returns the alarm that stands.
     pub fn end_run(&mut self) -> Option<Alarm> {
         self.settle(false);
         self.evidence.end_run()
@@ -242,8 +246,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.baseline.as_ref()
     }
 
-    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend, without the held report. The baseline
-    /// stays.
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend. The baseline stays.
     pub fn reset(&mut self) {
         self.evidence.reset();
         (self.work, self.segment) = (Work::Settled, None);
@@ -264,7 +267,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.model.save(&self.evidence, self.baseline.as_ref(), buffer)
     }
 
-    /// Continues from a saved state of this model; a held report is not in it. Nothing changes in case of an error.
+    /// Continues from a saved state of this model. Nothing changes in case of an error.
     ///
     /// # Errors
     /// As [`Model::restore`].
