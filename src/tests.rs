@@ -1,4 +1,5 @@
-//! A small drive that the tests of several rooms share: its plan, a model of two classes, samples, and the report of its detector.
+//! A small drive that the tests of several rooms share: its plan, a model of two classes, samples, and the report of
+//! its detector.
 
 use crate::detector::Detector;
 use crate::model::{

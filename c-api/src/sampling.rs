@@ -198,7 +198,7 @@ pub unsafe extern "C" fn bw_discard(state: *mut BwState, before_in_doubt: *mut u
     // SAFETY: the same contract.
     let in_doubt = unsafe { at(state) }.and_then(|state| {
         state.sampling.with(|detector| {
-            let in_doubt = detector.pending() < state.model.constants().sampling.segment_samples / 2;
+            let in_doubt = detector.is_in_first_half();
             detector.discard();
             if in_doubt {
                 state.doubted.store(state.segments.load(Ordering::Relaxed), Ordering::Relaxed);

@@ -7,7 +7,7 @@ use bearing_watch::model::Label;
 use bearing_watch::telemetry::{Encoder, RawEncoder, Source, TooSmall};
 
 use crate::code::{BwCode, Outcome, code};
-use crate::memory::{Object, Tag, at, check, put, put_object, room};
+use crate::memory::{Object, Tag, at, check, elements_mut, put, put_object, room};
 use crate::plan::{BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_FEATURES, BW_MAX_ORDERS, Own};
 use crate::raw_recorder::BwRawRecorder;
 use crate::recorder::{BW_BLOCK_BYTES, BwRecorder};
@@ -207,9 +207,8 @@ unsafe fn frame(
     // SAFETY: the contract of the caller.
     let own = unsafe { at(telemetry)? };
     check(length)?;
-    check(buffer)?;
     // SAFETY: writable by the contract; no other reference to them exists during this call.
-    let buffer = unsafe { core::slice::from_raw_parts_mut(buffer, capacity) };
+    let buffer = unsafe { elements_mut(buffer, capacity)? };
     let written = own.line.with(|line| write(line, buffer))??;
     // SAFETY: the contract of the caller.
     unsafe { put(length, written)? };

@@ -245,7 +245,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// [`CleanSample::found_late`](crate::drive::CleanSample::found_late). The segment closes where it would have, and
     /// has a verdict if half of it follows this call and is usable. Fading memory begins anew.
     ///
-    /// If less than half of the segment had passed, the fault may have begun in the segment before: [`Monitor`] then
+    /// In the first half of the segment, the fault may have begun in the segment before: [`Monitor`] then
     /// takes the report of that one out of its evidence again.
     #[cold]
     #[inline(never)]
@@ -253,15 +253,15 @@ impl<'m, P: Plan> Detector<'m, P> {
         // The open block of a mean keeps its place among the samples, and is spoilt.
         self.spoiled = !self.block.is_empty();
         self.renew();
-        if self.samples < self.model.constants().sampling.segment_samples / 2 {
+        if self.is_in_first_half() {
             self.sequence.doubt();
         }
     }
 
-    /// Whether [`Detector::discard`] has put the segment before the open one in doubt. Its [`Segment`] says so too.
+    /// Whether less than half of the open segment has passed: what is found late may then have begun in the one before.
     #[must_use]
-    pub const fn doubts_before(&self) -> bool {
-        self.sequence.doubts()
+    pub const fn is_in_first_half(&self) -> bool {
+        self.samples < self.model.constants().sampling.segment_samples / 2
     }
 
     /// Starts afresh without a report, for a stream that does not continue from the last sample: lags, sums and

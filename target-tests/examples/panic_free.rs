@@ -16,6 +16,8 @@ mod flash;
 #[allow(dead_code, reason = "its samples are not wanted here")]
 #[path = "../../examples/support/standard_rig/model.rs"]
 mod model;
+#[path = "support/monitor_calls.rs"]
+mod monitor_calls;
 #[allow(dead_code, reason = "only arrays of numbers are wanted here")]
 #[path = "../../examples/support/numbers.rs"]
 mod numbers;
@@ -241,35 +243,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     opaque((Evidence::trend(&evidence), Evidence::silence(&evidence)));
     Evidence::limit_silence(&mut evidence, SilenceLimits { segments: opaque(3), hours: opaque(1.0) });
     Evidence::reset(opaque(&mut evidence));
-    monitor(model, &mut detector, &mut numbers, sample);
-}
-
-/// Every function of a monitor.
-fn monitor<P: Plan>(
-    model: &Model<P>,
-    detector: &mut Detector<'_, P>,
-    numbers: &mut Numbers,
-    sample: impl Fn([f32; 4]) -> P::Sample,
-) {
-    let constants = opaque(BaselineConstants::new(opaque(50.0), opaque(2.0)));
-    let mut monitor = opaque(Monitor::following(Monitor::new(model), constants));
-    for _ in 0..opaque(50) {
-        if let Some(segment) = opaque(Detector::collect(detector, &sample(numbers.array()))) {
-            let now = Monitor::conclude(&mut monitor, opaque(segment.clone()));
-            opaque((now.alarm, now.silence, Detector::adopt(detector, now.report), Detector::doubts_before(detector)));
-            Monitor::take(&mut monitor, segment);
-            for _ in 0..opaque(50) {
-                opaque((Monitor::advance(&mut monitor).is_some(), Monitor::is_solving(&monitor)));
-            }
-        }
-    }
-    let mut bytes = opaque([0; 1000]);
-    opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor), Monitor::trend(&monitor)));
-    opaque((Monitor::report(&monitor).is_some(), Monitor::baseline(&monitor).is_some(), Monitor::saved_len(&monitor)));
-    opaque((Monitor::save(&mut monitor, &mut bytes).is_ok(), Monitor::restore(&mut monitor, &bytes).is_ok()));
-    opaque(Evidence::segments(Monitor::evidence(&monitor)));
-    Monitor::limit_silence(&mut monitor, SilenceLimits { segments: opaque(3), hours: opaque(1.0) });
-    Monitor::reset(&mut monitor);
+    monitor_calls::run(model, &mut detector, || sample(numbers.array()));
 }
 
 /// A baseline over one report.

@@ -164,8 +164,8 @@ where
         rest.text.number(current_a);
         rest.text.number(velocity_rad_s);
         if found_late {
+            let doubtful = rest.detector.is_in_first_half();
             rest.detector.discard();
-            let doubtful = rest.detector.doubts_before();
             rest.add(format_args!("{doubtful}"));
         }
         rest.take(&Values::of(&[current_a, velocity_rad_s, load_nm, reference_rad_s], angle));

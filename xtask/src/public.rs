@@ -22,10 +22,11 @@ const EXPORTING: [&str; 10] = [
     "telemetry/mod.rs",
 ];
 /// The files of the example.
-const CALLING: [&str; 6] = [
+const CALLING: [&str; 7] = [
     "panic_free.rs",
     "support/converter.rs",
     "support/drive_calls.rs",
+    "support/monitor_calls.rs",
     "support/signature_calls.rs",
     "support/storage_calls.rs",
     "support/telemetry_calls.rs",

@@ -49,8 +49,8 @@ fn watch(trace: &EmaTrace, constants: &FrontEndConstants, start: usize, faults: 
         }
         let Some(clean) = clean else { continue };
         if clean.found_late {
+            outcome.withdrawn += usize::from(detector.is_in_first_half() && held.take().is_some());
             detector.discard();
-            outcome.withdrawn += usize::from(detector.doubts_before() && held.take().is_some());
         }
         started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
         if started && let Some(report) = detector.step(&clean.into()) {

@@ -226,10 +226,10 @@ impl Watch {
         assert!(!(flagged && self.flagged) || clean.current_a.is_nan(), "{faults:?}: {clean:?}");
         self.flagged = flagged;
         if clean.found_late {
-            self.detector.discard();
-            if self.detector.doubts_before() {
+            if self.detector.is_in_first_half() {
                 (self.held, self.solver) = (None, None);
             }
+            self.detector.discard();
         }
         let sample: Sample = clean.into();
         self.open.samples += 1;

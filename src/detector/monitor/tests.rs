@@ -60,13 +60,13 @@ fn pieces_give_the_bits_of_the_whole_and_a_hasty_interrupt_loses_nothing() {
         pieces.take(segment.clone());
         assert_eq!(pieces.report(), None, "not yet");
         let mut count = 1;
-        let found = loop {
+        let report = loop {
             if let Some(Conclusion { report, .. }) = pieces.advance() {
                 break report.clone();
             }
             count += 1;
         };
-        assert!(count > 10 && found == expected, "{count}");
+        assert!(count > 10 && report == expected, "{count}");
         // The next segment comes before the solve has ended.
         hasty.take(segment);
         assert!(hasty.advance().is_none());

@@ -1,7 +1,7 @@
 //! The residual of the torque balance, whitened.
 //!
-//! Enters: the signals of a sample and the present parameters of [`balance`](crate::shaft::balance). Leaves: the whitened
-//! residual y, and the excitation g of the bearing orders at this sample.
+//! Enters: the signals of a sample and the present parameters of [`balance`](crate::shaft::balance). Leaves: the
+//! whitened residual y, and the excitation g of the bearing orders at this sample.
 //!
 //! ```text
 //! e = i − p₁ ω − p₂ s − p₃ T − p₄ − p₅ |T| s − p₆ s/(1 + (ω/ω_s)²)                                    (1)

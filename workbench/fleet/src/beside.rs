@@ -85,10 +85,10 @@ pub(super) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
 
 fn gather(folder: &Path, all: &mut Vec<PathBuf>) -> Result<(), Error> {
     let entries = std::fs::read_dir(folder).map_err(Error::io(folder))?;
-    let mut own: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    own.retain(|path| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(['_', '.'])));
-    own.sort();
-    for path in own {
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+    paths.retain(|path| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(['_', '.'])));
+    paths.sort();
+    for path in paths {
         // A link to a folder may lead back to it.
         if path.is_dir() && !path.is_symlink() {
             gather(&path, all)?;
@@ -126,8 +126,8 @@ mod tests {
             std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
             std::fs::write(path, "").expect("written");
         }
-        let found = files(&[folder.path().into()]).expect("files");
-        assert_eq!(found, ["a/c.sums", "b.parquet"].map(|name| folder.path().join(name)));
+        let parts = files(&[folder.path().into()]).expect("files");
+        assert_eq!(parts, ["a/c.sums", "b.parquet"].map(|name| folder.path().join(name)));
         let none = files(&[folder.path().join("_tmp")]).map(|files| files.len());
         assert_eq!(none.expect("a folder that is named itself"), 1);
         let refused = files(&[tempfile::tempdir().expect("a folder").path().into()]).expect_err("empty").to_string();

@@ -96,9 +96,9 @@ impl Part {
         let plain = ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()).map_err(unreadable)?;
         let pairs = plain.metadata().file_metadata().key_value_metadata();
         let value = |key: &str| pairs?.iter().find(|pair| pair.key == key)?.value.clone();
-        let own = value(PLAN);
-        let is_own = own.is_some();
-        let plan = match own {
+        let in_file = value(PLAN);
+        let is_in_file = in_file.is_some();
+        let plan = match in_file {
             Some(plan) => Plan::parse(&plan).map_err(wrong)?,
             None => plan_beside(path)?.ok_or_else(|| wrong(NO_PLAN.into()))?,
         };
@@ -116,7 +116,7 @@ impl Part {
         parquet_pages::check(&file, metadata.metadata(), |_| true).map_err(unreadable)?;
         let sorted = value(SORTED).as_deref() == Some("unit");
         let mut part = Self { path: path.to_path_buf(), plan, sorted, keys: keys(path), metadata };
-        if !is_own {
+        if !is_in_file {
             part.sorted = part.ascends()?;
         }
         Ok(part)

@@ -2,9 +2,10 @@
 
 use crate::assemble::{Rows, assemble};
 use crate::front_end::{OWN, clean};
-use crate::reader::{self, Header};
+use crate::reader;
 use crate::signal::{self, Signal};
 use crate::table::Table;
+use crate::table_header::{Header, header_of};
 use model::Error;
 use model::trace::front_end::FrontEndFile;
 use model::trace::{Channels, Missing, Trace, same_interval};
@@ -59,7 +60,7 @@ impl Wanted {
 
 /// Whether the header of a table has every wanted column.
 pub(super) fn has_columns(table: &Table, channels: &Channels, front_end: &FrontEndFile) -> bool {
-    let header = reader::header_of(table, channels.time.as_deref());
+    let header = header_of(table, channels.time.as_deref());
     header.is_ok_and(|header| Wanted::new(&header, channels, front_end).is_ok())
 }
 
@@ -70,7 +71,7 @@ pub(super) fn read(
     front_end: &FrontEndFile,
     id: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<Vec<Trace>, Error> {
-    let header = reader::header_of(table, channels.time.as_deref())?;
+    let header = header_of(table, channels.time.as_deref())?;
     let wanted =
         Wanted::new(&header, channels, front_end).map_err(|problem| Error::content(table.path(), "header", problem))?;
     let mut traces = Vec::new();

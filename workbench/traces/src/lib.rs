@@ -13,6 +13,8 @@
 //! |---|---|
 //! | [`table`] | named columns of a file of any format, or in memory |
 //! | [`reader`] | columns → traces: one file a trace, or a table with a column of their names |
+//! | `table_header` | which columns are the time, the traces and signals |
+//! | `row_times` | columns → the time of each row |
 //! | `assemble` | rows → samples: what is missing is NaN |
 //! | [`front_end`] | recordings at the control rate → clean samples |
 //! | [`units`] | units, by the names of columns |
@@ -33,8 +35,10 @@ pub mod given;
 mod labels;
 pub mod reader;
 pub mod resample;
+mod row_times;
 mod signal;
 pub mod table;
+mod table_header;
 mod temperature;
 mod time;
 pub mod units;

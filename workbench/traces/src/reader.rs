@@ -5,97 +5,13 @@ use std::path::Path;
 
 pub use crate::assemble::NO_TIME;
 use crate::assemble::{INTEGRAL, Rows as Given, assemble, elapsed};
+use crate::row_times::{RowTimes, rows_of};
 use crate::signal::{Signal, places_of, values_of};
-use crate::table::fraction::is_below_a_second;
-use crate::table::time_name::{seconds, usual};
-use crate::table::{About, Columns, Omitted, Table, Wanted, long_form};
-use crate::time;
+use crate::table::time_name::usual;
+use crate::table::{Columns, Omitted, Table, Wanted, long_form};
+use crate::table_header::{Header, header_of, is_wanted};
 use model::Error;
 use model::trace::{Channels, Trace, stem};
-
-/// The names of the columns.
-pub(super) struct Header {
-    names: Vec<String>,
-    trace: Option<usize>,
-    /// Place of the time, and the factor to seconds.
-    time: Option<(usize, f64)>,
-    /// Places of columns that repeat the time.
-    twins: Vec<usize>,
-    /// Place of the part of a second that the time lacks, and the seconds of its unit.
-    fraction: Option<(usize, f64)>,
-}
-
-impl Header {
-    /// Of these columns; `time` is the column that was asked for, and the table tells which others are times.
-    ///
-    /// # Errors
-    /// There is no such column.
-    pub(super) fn of(names: Vec<String>, time: Option<&str>, about: &About) -> Result<Self, String> {
-        let factor =
-            |place: usize| if about.clocks.contains(&place) { 1.0 } else { seconds(&names[place]).unwrap_or(1.0) };
-        let time = match time {
-            Some(NO_TIME) => None,
-            Some(wanted) => {
-                let place = names.iter().position(|name| name == wanted);
-                let place =
-                    place.ok_or_else(|| format!("no column {wanted} for the time; there are {}", names.join(", ")))?;
-                Some((place, factor(place)))
-            }
-            None => {
-                let is_time = |place: &usize| usual(&names[*place]).is_some() && !about.counters.contains(place);
-                // Dates and the like are a time whatever their column is called.
-                let place = (0..names.len()).find(is_time).or_else(|| about.clocks.first().copied());
-                let unit = |place: usize| usual(&names[place]).flatten().filter(|_| !about.clocks.contains(&place));
-                place.map(|place| (place, unit(place).unwrap_or_else(|| factor(place))))
-            }
-        };
-        let twins = about.twins.clone();
-        let fraction = about.fraction.filter(|(place, _)| time.is_some_and(|(time, _)| time + 1 == *place));
-        Ok(Self { fraction, trace: names.iter().position(|name| name == "trace"), time, twins, names })
-    }
-
-    pub(super) fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    pub(super) fn place(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|column| column == name)
-    }
-
-    /// Place of the time.
-    pub(super) fn time(&self) -> Option<usize> {
-        self.time.map(|(place, _)| place)
-    }
-
-    /// A wanted column whose name occurs twice.
-    fn doubled(&self, places: &[usize]) -> Option<&str> {
-        let own = places.iter().copied().chain(self.trace).chain(self.time());
-        let mut counts: HashMap<&str, usize> = HashMap::new();
-        let single = self.names.iter().enumerate().filter(|(place, _)| !self.twins.contains(place));
-        single.for_each(|(_, name)| *counts.entry(name).or_default() += 1);
-        own.map(|place| self.names[place].as_str()).find(|name| counts[name] > 1)
-    }
-
-    /// Signals of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of
-    /// velocity, load and reference if they are given.
-    pub(super) fn signals(&self, channels: &Channels) -> Result<Vec<Signal>, String> {
-        if self.names.iter().all(String::is_empty) {
-            return Err("the file is empty".into());
-        }
-        channels.in_order().into_iter().map(|channel| Signal::parse(channel, &self.names)).collect()
-    }
-}
-
-/// The header of a table.
-pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Error> {
-    Header::of(table.names().to_vec(), time, table.about())
-        .map_err(|problem| Error::content(table.path(), "header", problem))
-}
-
-/// Whether a table may have wanted traces: its only one is, or it has several.
-pub(super) fn is_wanted(header: &Header, table: &Table, wanted: &(dyn Fn(&str) -> bool + Sync)) -> bool {
-    header.trace.is_some() || wanted(stem(&table.id()))
-}
 
 /// Whether the header of a table has every wanted column.
 pub(super) fn has_columns(table: &Table, channels: &Channels) -> bool {
@@ -159,12 +75,12 @@ pub fn series(
     let signals = |header: &Header| {
         // Of many columns each is looked up at once.
         let mut places: HashMap<&str, usize> = HashMap::new();
-        for (place, name) in header.names.iter().enumerate() {
+        for (place, name) in header.names().iter().enumerate() {
             places.entry(name).or_insert(place);
         }
         let parse = |channel: &String| match places.get(channel.as_str()) {
             Some(place) => Ok(Signal::Column(*place)),
-            None => Signal::parse(channel, &header.names),
+            None => Signal::parse(channel, header.names()),
         };
         channels.iter().map(parse).collect()
     };
@@ -189,18 +105,13 @@ pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Er
     if let Some(problem) = long_form(table) {
         return Err(Error::content(table.path(), "header", problem));
     }
-    let own = |place: &usize| {
-        Some(*place) != header.trace
-            && Some(*place) != header.time()
-            && !header.twins.contains(place)
-            && header.fraction.is_none_or(|(fraction, _)| fraction != *place)
-            && !header.names[*place].is_empty()
-    };
-    let places: Vec<usize> = (0..header.names.len()).filter(own).collect();
+    let own =
+        |place: &usize| Some(*place) != header.trace && !header.is_time(*place) && !header.names()[*place].is_empty();
+    let places: Vec<usize> = (0..header.names().len()).filter(own).collect();
     let (mut kept, mut problems) = (Vec::new(), Vec::new());
     for (place, column) in places.iter().zip(table.read_each(&places)?) {
         match column {
-            Ok(_) => kept.push(header.names[*place].clone()),
+            Ok(_) => kept.push(header.names()[*place].clone()),
             Err(problem) => problems.push(problem),
         }
     }
@@ -237,11 +148,6 @@ struct Part {
     times_s: Option<Vec<f64>>,
 }
 
-/// Number of rows, also where signals need no column.
-fn rows_of(columns: &BTreeMap<usize, Vec<f64>>, times: Option<&[f64]>) -> usize {
-    columns.values().next().map(Vec::len).or(times.map(<[f64]>::len)).unwrap_or(0)
-}
-
 /// Reads the columns of signals, one part for each trace.
 fn parts(
     table: &Table,
@@ -261,105 +167,33 @@ fn parts(
     }
     let signals = signals(&header).map_err(wrong)?;
     let needed = places_of(&signals);
+    let row_times = RowTimes { table, header: &header, asked: time };
+    row_times.check_first_rows()?;
     let mut places: Vec<usize> = header.time().into_iter().chain(needed.iter().copied()).collect();
-    if let Some((place, line)) = table.about().other_times.filter(|_| header.time.is_some()) {
-        return Err(other_times(table, place, format!("line {line}")));
-    }
     if let Some(name) = header.doubled(&places) {
         return Err(wrong(format!("column {name} comes twice; rename or remove one")));
     }
-    // A table is read at once, so that its times are compared in all rows.
-    let twins = if header.time.is_some() { &header.twins[..] } else { &[] };
-    places.extend(twins);
-    places.extend(header.fraction.map(|(place, _)| place));
+    places.extend(row_times.further_places());
     places.sort_unstable();
     places.dedup();
     let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) });
-    let mut columns = read.map_err(|problem| match (header.time(), problem) {
-        // The time column was found by its name, not requested: the user can exclude it.
-        (Some(own), Error::Content { path, place, problem })
-            if time.is_none() && place.ends_with(&format!("column {}", header.names[own])) =>
-        {
-            Error::Content { path, place, problem: problem + "; --time none leaves the time out" }
-        }
-        (_, other) => other,
-    })?;
-    let of_place = |place: usize| places.binary_search(&place).ok().and_then(|at| columns.numbers.get(at));
-    if let Some(times) = header.time().and_then(of_place) {
-        for twin in twins {
-            let row =
-                of_place(*twin).and_then(|own| (0..own.len()).find(|row| own[*row].to_bits() != times[*row].to_bits()));
-            if let Some(row) = row {
-                return Err(other_times(table, *twin, columns.place(row)));
-            }
-        }
-    }
+    let mut columns = read.map_err(|problem| row_times.excludable(problem))?;
+    row_times.check_twins(&places, &columns)?;
     let rows = Rows::split(path, &columns, &id)?;
     report(table, &header, &rows, columns.numbers.first().map_or(0, Vec::len));
     let mut whole = Some(std::mem::take(&mut columns.numbers));
     let each = |rows: Rows| -> Result<Part, Error> {
-        let own = match rows.rows {
+        let of_trace = match rows.rows {
             None => whole.take().unwrap_or_default(),
             Some(_) => whole.iter().flatten().map(|column| rows.of(column)).collect(),
         };
-        let mut own: BTreeMap<usize, Vec<f64>> = places.iter().copied().zip(own).collect();
-        own.retain(|place, _| !twins.contains(place) || needed.contains(place));
-        let times_s = header.time.and_then(|(place, factor)| {
-            let mut times = if needed.contains(&place) { own.get(&place).cloned() } else { own.remove(&place) }?;
-            if factor != 1.0 {
-                times.iter_mut().for_each(|t| *t *= factor);
-            }
-            if let Some((part, unit)) = header.fraction {
-                let rest = own.get(&part)?;
-                times.iter_mut().zip(rest).for_each(|(t, rest)| *t += rest * unit);
-            }
-            Some(times)
-        });
-        if let Some((place, unit)) = header.fraction {
-            let is_wrong = |value: &f64| value.is_finite() && !is_below_a_second(*value, unit);
-            let wrong = own.get(&place).and_then(|rest| rest.iter().position(is_wrong));
-            if let Some(at) = wrong {
-                let place = format!("{}, column {}", columns.place(rows.row(at)), header.names[place]);
-                let problem = "more than a second, where the rows before have parts of one; name the time with --time";
-                return Err(Error::content(path, place, problem));
-            }
-            own.retain(|own, _| *own != place || needed.contains(own));
-        }
-        let by_row = |step: f64| (0..rows_of(&own, None)).map(|row| row as f64 * step).collect();
-        let mut times_s = times_s.or_else(|| table.about().step_s.filter(|_| time.is_none()).map(by_row));
-        if let (Some(times), Some((place, factor))) = (&mut times_s, header.time) {
-            let tick = table.about().ticks_s.iter().find(|(own, _)| *own == place).map_or(factor, |(_, tick)| *tick);
-            let notes = [time::unwrapped(times, Some(tick)), time::evened(times)];
-            notes.iter().flatten().for_each(|note| log::warn!("{}: {note}", path.display()));
-        }
-        let name = header.time().map_or("", |place| &header.names[place]);
-        if times_s.as_ref().is_some_and(|times| !times.is_empty() && times.iter().all(|time| time.is_nan())) {
-            let problem = "no row has a time; record it again, or leave the time out with --time none";
-            return Err(Error::content(path, format!("column {name} of {}", rows.id), problem));
-        }
-        if let Some(known) = times_s.as_deref().filter(|times| header.time.is_some() && time::stands(times)) {
-            let count = known.len();
-            let problem = format!(
-                "the time is the same in most of {count} rows, too coarse to tell the rate; export it with the parts of \
-                 a second, or give --time none and --rate-hz"
-            );
-            return Err(Error::content(path, format!("column {name} of {}", rows.id), problem));
-        }
-        if let Some(at) = times_s.as_deref().and_then(time::backwards) {
-            let place = format!("{}, column {name}", columns.place(rows.row(at)));
-            return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
-        }
-        Ok(Part { id: rows.id, columns: own, times_s })
+        let mut of_place: BTreeMap<usize, Vec<f64>> = places.iter().copied().zip(of_trace).collect();
+        let place_of_row = |row: usize| columns.place(rows.row(row));
+        let times_s = row_times.take(&mut of_place, &needed, (&rows.id, &place_of_row))?;
+        Ok(Part { id: rows.id, columns: of_place, times_s })
     };
     let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))
-}
-
-/// A table whose channels have different times.
-fn other_times(table: &Table, place: usize, line: String) -> Error {
-    let at = format!("{line}, column {} {}", place + 1, table.names()[place]);
-    let problem = "this channel has times of its own; export the channels with one time, or each in a file";
-    Error::content(table.path(), at, problem)
 }
 
 /// Reports what is read of a file, and what was left out or guessed.
@@ -367,7 +201,7 @@ fn report(table: &Table, header: &Header, traces: &[Rows], rows: usize) {
     let (file, count) = (table.path().display(), traces.len());
     table.about().told().for_each(|told| log::warn!("{file}: {told}"));
     match header.time() {
-        Some(time) => log::info!("read {file}: traces {count}, rows {rows}, time by column {}", header.names[time]),
+        Some(time) => log::info!("read {file}: traces {count}, rows {rows}, time by column {}", header.names()[time]),
         None => log::info!("read {file}: traces {count}, rows {rows}, no time column"),
     }
 }

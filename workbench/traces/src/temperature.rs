@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::reader::{header_of, is_wanted};
 use crate::table::Table;
+use crate::table_header::{header_of, is_wanted};
 use crate::units::{Quantity, Unit};
 use crate::{Candidate, Source, candidates, has_columns};
 use model::Error;

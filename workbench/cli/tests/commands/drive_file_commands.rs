@@ -84,7 +84,7 @@ fn names_of_files_become_labels() {
     succeed(dir, "train runs/drive.toml --model m.bwm");
 }
 
-/// One long recording without a class: it is cut into segments for training, and segments that differ from it are novel.
+/// One long recording without a class is cut into segments for training, and segments that differ from it are novel.
 #[test]
 fn a_single_recording_is_a_reference_and_is_cut() {
     let folder = tempfile::tempdir().expect("folder");

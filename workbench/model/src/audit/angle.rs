@@ -35,7 +35,7 @@ const SCALE: f64 = 0.01;
 /// Rows that are named.
 const NAMED: usize = 3;
 
-/// Compares an angle, rad, with a velocity, rad/s, both sampled at `rate_hz`. Each finding gives the numbers of its rows.
+/// Compares an angle, rad, with a velocity, rad/s, both sampled at `rate_hz`. Each finding names its rows by numbers.
 #[must_use]
 pub fn findings(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Vec<String> {
     let rows = angle.len().min(velocity.len());

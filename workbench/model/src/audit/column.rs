@@ -1,9 +1,7 @@
 //! A column by itself: its step, and whether it is held, saturated or constant.
 
-use std::borrow::Cow;
-
 use super::held::{held, told};
-use super::step::least_difference;
+use super::step::{finite, least_difference};
 use crate::statistics::mean_sd;
 
 /// Rows of one value that count as held, if the step is fine.
@@ -46,9 +44,7 @@ impl Column {
     /// Of values of one trace; a missing one is NaN.
     #[must_use]
     pub fn of(x: &[f64]) -> Self {
-        let known = || x.iter().copied().filter(|x| x.is_finite()).collect();
-        let whole = x.iter().all(|x| x.is_finite());
-        let measured = if whole { Cow::Borrowed(x) } else { Cow::Owned(known()) };
+        let measured = finite(x);
         let missing = (x.len() - measured.len()) as f64 / x.len().max(1) as f64;
         let mut sorted = measured.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);

@@ -82,8 +82,8 @@ impl Terms {
         let mut kept: Vec<usize> = vec![];
         for term in [4, 1, 2, 3, 0] {
             let Some(column) = &columns[term] else { continue };
-            let own: Vec<_> = kept.iter().filter_map(|&k| columns[k].as_ref()).chain([column]).collect();
-            if inverse(&own).is_some_and(|inverse| inverse.own_part(own.len() - 1) > OWN) {
+            let regressors: Vec<_> = kept.iter().filter_map(|&k| columns[k].as_ref()).chain([column]).collect();
+            if inverse(&regressors).is_some_and(|inverse| inverse.own_part(kept.len()) > OWN) {
                 kept.push(term);
             }
         }
@@ -106,8 +106,9 @@ fn settled(mut x: Vec<f64>, dropped: usize) -> DVector<f64> {
     DVector::from_vec(x)
 }
 
-/// (XᵀX)⁻¹ of columns of unit norm, and the norms. The columns, each with a part of its own above [`OWN`], are far enough
-/// from dependent for their products; a long record need not be copied as a matrix.
+/// (XᵀX)⁻¹ of columns that are scaled to unit norm, and their norms before. Products of columns square the condition of
+/// X, which is small enough here: the own part (2) of each column is above [`OWN`]. So X need not be copied for a
+/// factorisation, which would take several times the memory of a long record.
 struct Inverse {
     of_unit: DMatrix<f64>,
     norms: Vec<f64>,
@@ -137,7 +138,7 @@ struct Solution {
     inverse: Inverse,
 }
 
-/// θ = (XᵀX)⁻¹ Xᵀy, with the covariance for residuals that are correlated over so many rows.
+/// θ = (XᵀX)⁻¹ Xᵀy, with the covariance for residuals that are correlated over `lags` rows.
 fn solve(columns: &[DVector<f64>], y: &DVector<f64>, lags: usize) -> Option<Solution> {
     let inverse = inverse(&columns.iter().collect::<Vec<_>>())?;
     let n = columns.len();
@@ -148,9 +149,9 @@ fn solve(columns: &[DVector<f64>], y: &DVector<f64>, lags: usize) -> Option<Solu
     for (column, theta) in columns.iter().zip(theta.iter()) {
         residuals.axpy(-theta, column, 1.0);
     }
-    let score = |t: usize, own: &mut DVector<f64>| {
+    let score = |t: usize, g: &mut DVector<f64>| {
         let row = DVector::from_fn(n, |k, _| columns[k][t] * residuals[t]);
-        whole.mul_to(&row, own);
+        whole.mul_to(&row, g);
     };
     let covariance = regression::covariance((n, y.len()), score, lags);
     theta.iter().all(|p| p.is_finite()).then_some(Solution { theta, covariance, inverse })

@@ -1,13 +1,13 @@
-//! Values that a slower source holds over several rows.
+//! Values that a source slower than the recording holds over several rows.
 //!
-//! A bus or a display gives a new value every so many rows. A coarse step of a sensor holds values too, but its changes
-//! are single steps, and come when the signal wants them.
+//! A slow bus gives a new value at regular times, for example every tenth row. A sensor with a coarse step also gives
+//! the same value in several rows, but it changes by single steps, at times that the signal decides.
 
 use crate::trace::median;
 
 use super::step::step;
 
-/// Rows of a value from which on too little of the rows is left to tell of a bearing.
+/// Number of rows with the same value from which on the current is too slow to show a bearing.
 const TOO_SLOW: usize = 10;
 /// Fewest changes that tell a period.
 const CHANGES: usize = 20;
@@ -38,14 +38,15 @@ pub fn held(x: &[f64]) -> Option<usize> {
     (large as f64 > LARGE * changes.len() as f64).then_some(usual as usize)
 }
 
-/// What is said of a column whose values are held over so many rows, at this rate of the rows.
+/// Says how often a column changes whose values are held over `rows` rows; with the rate of the rows, how many times a
+/// second.
 #[must_use]
 pub fn told(rows: usize, rate_hz: Option<f64>) -> String {
     let rate = rate_hz.map_or_else(String::new, |rate| format!(", {:.4} times a second", rate / rows as f64));
     format!("changes every {rows} rows only{rate}")
 }
 
-/// Why a current whose values are held over so many rows shows no bearing.
+/// Says why a current whose values are held over `rows` rows shows no bearing; `None` if it is fast enough.
 #[must_use]
 pub fn too_slow(rows: usize, rate_hz: Option<f64>) -> Option<String> {
     (rows >= TOO_SLOW).then(|| {

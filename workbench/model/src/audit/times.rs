@@ -1,7 +1,6 @@
 //! The times of a trace: rate, jitter, gaps, times that stand.
 
-use std::borrow::Cow;
-
+use super::step::finite;
 use crate::trace::{gaps, median};
 
 /// Usual steps that a gap is longer than.
@@ -28,9 +27,7 @@ impl Times {
     /// Of at least two times, s; one that is NaN is missing.
     #[must_use]
     pub fn of(times_s: &[f64]) -> Option<Self> {
-        let known = || times_s.iter().copied().filter(|t| t.is_finite()).collect();
-        let whole = times_s.iter().all(|t| t.is_finite());
-        let times_s = if whole { Cow::Borrowed(times_s) } else { Cow::Owned(known()) };
+        let times_s = finite(times_s);
         let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let usual = median(&steps);
         if usual.is_nan() || usual <= 0.0 {

@@ -54,7 +54,7 @@ pub(crate) fn solve(
     for (mut column, e) in influence.column_iter_mut().zip(residuals.iter()) {
         column *= *e;
     }
-    let score = |t: usize, own: &mut DVector<f64>| own.copy_from(&influence.column(t));
+    let score = |t: usize, g: &mut DVector<f64>| g.copy_from(&influence.column(t));
     Ok(Solution { covariance: covariance(influence.shape(), score, lags), theta, relative_error })
 }
 
@@ -75,7 +75,8 @@ fn independent(scaled: &DMatrix<f64>) -> Result<(), usize> {
     (0..r.ncols()).find(|&k| r[(k, k)].abs() < DEPENDENT).map_or(Ok(()), Err)
 }
 
-/// (2) of scores g(t), n in each of so many rows. Bartlett's weights are those of the sums of L + 1 scores that follow each other:
+/// (2), from scores g(t) of `n` parameters in `rows` rows, which `score` writes. Bartlett's weights are those of sums of
+/// L + 1 consecutive scores:
 /// Σ_|l|≤L (1 − |l|/(L+1)) Σ_t g(t) g(t−l)ᵀ = 1/(L+1) Σ_t s(t) s(t)ᵀ, s(t) = g(t) + … + g(t−L), with zeros before the
 /// first and after the last score. One pass, however long the lags.
 pub(crate) fn covariance(
@@ -84,15 +85,15 @@ pub(crate) fn covariance(
     lags: usize,
 ) -> DMatrix<f64> {
     let (mut sum, mut window) = (DMatrix::zeros(n, n), DVector::zeros(n));
-    let mut own = DVector::zeros(n);
+    let mut g = DVector::zeros(n);
     for t in 0..rows + lags {
         if t < rows {
-            score(t, &mut own);
-            window += &own;
+            score(t, &mut g);
+            window += &g;
         }
         if let Some(last) = t.checked_sub(lags + 1) {
-            score(last, &mut own);
-            window -= &own;
+            score(last, &mut g);
+            window -= &g;
         }
         sum.ger(1.0, &window, &window, 1.0);
     }
@@ -136,9 +137,9 @@ mod tests {
                 }
             }
             expected *= 9.0 / 7.0;
-            let score = |t: usize, own: &mut DVector<f64>| *own = influence.column(t) * residuals[t];
-            let found = covariance((2, 9), score, lags as usize);
-            assert!((&found - &expected).norm() < 1e-13 * expected.norm(), "{lags}: {found} {expected}"); // rounding
+            let score = |t: usize, g: &mut DVector<f64>| *g = influence.column(t) * residuals[t];
+            let covariance = covariance((2, 9), score, lags as usize);
+            assert!((&covariance - &expected).norm() < 1e-13 * expected.norm(), "{lags}: {covariance} {expected}"); // rounding
         }
     }
 

@@ -20,7 +20,7 @@ pub fn refuse_gaps(trace: &Trace) -> Result<(), Error> {
     }
 }
 
-/// Returns an error if output, input or current are held over so many rows that it tells nothing of a bearing.
+/// Returns an error if the output, the first input or the current changes too rarely to show a bearing.
 ///
 /// # Errors
 /// One is.

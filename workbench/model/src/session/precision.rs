@@ -1,5 +1,5 @@
-//! Whether single precision is fine enough for the signals: the detector's estimates beside those of batch least squares
-//! in double precision.
+//! Whether single precision is fine enough for the signals. The detector's estimates are compared with those of batch
+//! least squares in double precision.
 //!
 //! Rounding grows with the ratio of the signals' levels to the residual, and with the rows of a segment
 //! (`factor/triangle.rs` of the core says how far it may be neglected).
@@ -15,8 +15,8 @@ const LOOKED_AT: usize = 4;
 /// Part of its deviation by which a parameter may be off.
 const NEGLIGIBLE: f64 = 0.05;
 
-/// What is said of the first of these traces in which a parameter is off by more than a twentieth of its deviation; of least
-/// squares on separate segments, which batch least squares repeats.
+/// A warning with the first of these traces in which a parameter is off by more than a twentieth of its deviation. Only
+/// for least squares on separate segments: batch least squares computes the same estimate.
 pub(super) fn doubt(trained: &Trained, traces: &[LabelledTrace]) -> Option<String> {
     let recipe = &trained.recipe;
     if !recipe.estimation.is_batch() {

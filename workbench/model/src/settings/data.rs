@@ -62,7 +62,7 @@ pub struct Data {
 merges!(Data { traces, labels, conditions, classes, time, rate_hz, skip, units_row, separator, decimal, front_end });
 
 impl Data {
-    /// What is given of the layout of text files.
+    /// The parts of the layout of text files that are given.
     #[must_use]
     pub const fn text_form(&self) -> TextForm {
         let Self { skip, units_row, separator, decimal, .. } = *self;

@@ -107,7 +107,7 @@ pub struct Channels {
     /// Rows a second, for files without a time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// What is given of the layout of text files.
+    /// The parts of the layout of text files that the user gives.
     #[serde(default, skip_serializing_if = "TextForm::is_empty")]
     pub text: TextForm,
     /// Makes the columns of recordings at the control rate; `None` if they are recorded as they are used.

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// What is given of the layout of text files; the rest is told by their content.
+/// The parts of the layout of text files that the user gives; the others are guessed by their content.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TextForm {
@@ -116,9 +116,9 @@ mod tests {
     #[test]
     fn separators_are_names_or_characters() {
         for (text, byte) in [(";", b';'), ("tab", b'\t'), ("\\t", b'\t'), ("\t", b'\t'), ("blank", b' '), ("~", b'~')] {
-            let own: Separator = text.parse().expect(text);
-            assert_eq!(own.byte(), byte);
-            assert_eq!(String::from(own).parse::<Separator>().expect(text), own);
+            let separator: Separator = text.parse().expect(text);
+            assert_eq!(separator.byte(), byte);
+            assert_eq!(String::from(separator).parse::<Separator>().expect(text), separator);
         }
         for wrong in ["", "ab", "1", ".", "-", "\"", "\n", "é", "e"] {
             assert!(wrong.parse::<Separator>().is_err(), "{wrong:?}");

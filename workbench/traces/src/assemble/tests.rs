@@ -225,6 +225,6 @@ fn truth_values_are_one_and_zero() {
     let path = folder.path().join("t.csv");
     let rows: String = (0..20).map(|k| format!("{k},{k}.5,{},{}\n", k % 2 == 0, k % 3)).collect();
     std::fs::write(&path, format!("t_s,i,brake,load\n{rows}")).expect("writable");
-    let found = read(&[path], &Channels::new("i", "brake", "load")).expect("a trace").remove(0);
-    assert_eq!(found.u1[..3], [1.0, 0.0, 1.0]);
+    let trace = read(&[path], &Channels::new("i", "brake", "load")).expect("a trace").remove(0);
+    assert_eq!(trace.u1[..3], [1.0, 0.0, 1.0]);
 }

@@ -51,16 +51,15 @@ impl Audited {
             add(findings, finding, id);
         }
         // What is wanted rather than measured may stand, and have few values.
+        let rate = self.times.map(|times| times.rate_hz);
         let measured = self.names.iter().zip(&self.columns).filter(|(name, _)| !is_reference(name));
         for (name, column) in measured {
-            for finding in column.findings(self.times.map(|times| times.rate_hz)) {
+            for finding in column.findings(rate) {
                 add(findings, format!("column {name}: {finding}"), id);
             }
         }
-        let rate = self.times.map(|times| times.rate_hz);
-        if let Some(problem) =
-            self.current.as_deref().and_then(|current| held(current)).and_then(|rows| too_slow(rows, rate))
-        {
+        let slow = self.current.as_deref().and_then(|current| too_slow(held(current)?, rate));
+        if let Some(problem) = slow {
             add(findings, format!("the current {problem}"), id);
         }
         let compared = if self.values.len() > PAIRED { &[][..] } else { &self.values[..] };

@@ -115,7 +115,7 @@ impl Audit {
             let used: Vec<Arc<Vec<f64>>> = chosen.iter().flatten().filter_map(of_name).cloned().collect();
             let missing = Audited::missing(times.as_ref(), &values, &used);
             let [current, velocity, angle, velocity_ref, load] =
-                [0, 1, 2, 3, 4].map(|k| chosen[k].as_ref().and_then(of_name).map(whole));
+                std::array::from_fn(|k| chosen[k].as_ref().and_then(of_name).map(whole));
             Audited {
                 id: stem(&series.id).to_string(),
                 names: names.clone(),

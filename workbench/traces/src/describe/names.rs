@@ -7,8 +7,8 @@
 //!
 //! Files in several folders have the names of these as their classes. Otherwise the words of a name are its class, in
 //! lower case, without those that all files have and those that only some files of a class have (normal_operation_1,
-//! normal_2). Where all words are the same, codes such as A1 and B0 are the classes. If these are the same too, the classes
-//! are unknown: all files get the class [`REFERENCE`], which does not say that the machine is healthy.
+//! normal_2). Where all words are the same, codes such as A1 and B0 are the classes. If these are the same too, the
+//! classes are unknown: all files get the class [`REFERENCE`], which does not say that the machine is healthy.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

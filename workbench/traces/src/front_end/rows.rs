@@ -15,6 +15,7 @@ use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use crate::front_end::clean::{is_sampled, raw_sample};
 use crate::reader;
 use crate::table::Table;
+use crate::table_header::header_of;
 use model::Error;
 use model::trace::Channels;
 use model::trace::front_end::FrontEndFile;
@@ -25,7 +26,7 @@ use model::trace::front_end::FrontEndFile;
 /// A file without these columns or with several traces; a front end that reads sine and cosine of a resolver.
 pub fn raw_rows(path: &Path, front_end: &FrontEndFile, further: &[String]) -> Result<Vec<u8>, Error> {
     let table = Table::open(path)?;
-    let header = reader::header_of(&table, None)?;
+    let header = header_of(&table, None)?;
     let own = front_end.columns();
     let timed = header.time().map(|place| header.names()[place].as_str());
     let names: Vec<String> =

@@ -2,6 +2,7 @@
 
 use super::clock::nanoseconds;
 use super::columns::is_missing;
+use crate::units::Unit;
 use model::outputs::text_of;
 
 /// Lines that a quoted name may have.
@@ -162,6 +163,15 @@ pub(super) fn start_of_line(text: &str, lines: usize) -> usize {
 /// Whether the cells of a line count the columns, from 0 or from 1 on.
 pub(super) fn are_places(cells: &[&str]) -> bool {
     (0..=1).any(|from| cells.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string()))
+}
+
+/// A name with the unit of another cell; a name may have it already.
+pub(super) fn with_unit(name: &str, unit: &str) -> String {
+    let unit_of_cell = Unit::named(unit);
+    if unit_of_cell.is_none() || Unit::of_column(name) == unit_of_cell {
+        return name.to_string();
+    }
+    format!("{name} [{unit}]")
 }
 
 /// A name in one line.

@@ -1,7 +1,7 @@
 //! The names of the columns of a text, and their units.
 
 use super::about::About;
-use super::cells::{Kind, Line, are_places, bare, clean, kind, split};
+use super::cells::{Kind, Line, are_places, bare, clean, kind, split, with_unit};
 use super::keyed;
 use super::preamble;
 use super::rows::Rows;
@@ -64,16 +64,12 @@ impl Head {
             .and_then(|units| increment(&all, units))
             .or_else(|| told_increment(&all[used.min(all.len())..]));
         let unit = |k: usize| units.as_ref().and_then(|units| units.get(k)).map(|unit| bare(unit));
-        let with_unit = |(k, name): (usize, &String)| match unit(k) {
-            // A name may have it already.
-            Some(unit) if Unit::named(unit).is_some() && Unit::of_column(name) == Unit::named(unit) => name.clone(),
-            Some(unit) if Unit::named(unit).is_some() => format!("{name} [{unit}]"),
-            Some(unit) => long_unit(unit).map_or_else(|| name.clone(), |unit| format!("{name} [{unit}]")),
-            None => name.clone(),
+        let named = |(k, name): (usize, &String)| {
+            unit(k).map_or_else(|| name.clone(), |unit| with_unit(name, long_unit(unit).unwrap_or(unit)))
         };
         // A column may be empty in the rows that are looked at, and have numbers later.
         let kept = if step_s.is_some() { used } else { rows.cells };
-        let names = all.iter().take(kept).enumerate().map(with_unit).collect();
+        let names = all.iter().take(kept).enumerate().map(named).collect();
         let further = if step_s.is_some() { vec![] } else { all[kept.min(all.len())..].to_vec() };
         Self { names, cells: all, before, step_s, further }
     }

@@ -7,8 +7,7 @@
 //! "",0.1,17.5
 //! ```
 
-use super::cells::{Line, bare, clean, split};
-use crate::units::Unit;
+use super::cells::{Line, bare, clean, split, with_unit};
 
 /// Keys of the names, in lower case and without marks.
 const NAMES: [&str; 9] =
@@ -50,11 +49,7 @@ pub(super) fn names(
     let lines: Vec<_> = content[..first].iter().map(keyed).collect();
     let place = lines.iter().position(|(key, count, _)| *count == used && NAMES.contains(&key.as_str()))?;
     let units = lines.iter().find(|(key, ..)| UNITS.iter().any(|part| key.contains(part))).map(|(.., units)| units);
-    let unit = |k: usize| Some(bare(units?.get(k)?)).filter(|unit| Unit::named(unit).is_some());
-    let named = |(k, name): (usize, &String)| match unit(k) {
-        _ if k == 0 => String::new(),
-        Some(unit) => format!("{name} [{unit}]"),
-        None => name.clone(),
-    };
+    let unit = |k: usize| units.and_then(|units| units.get(k)).map_or("", |unit| bare(unit));
+    let named = |(k, name): (usize, &String)| if k == 0 { String::new() } else { with_unit(name, unit(k)) };
     Some((place, lines[place].2.iter().enumerate().map(named).collect()))
 }

@@ -37,7 +37,7 @@ const OTHER_RATE: f64 = 0.1;
 const LARGE_TIME: f64 = 1e6;
 
 /// The layout of a text file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Layout {
     /// Separator; a blank stands for any number of blanks and tabs.
     pub(super) separator: u8,
@@ -59,7 +59,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Finds what is not given of the layout of a text.
+    /// Finds the parts of the layout of a text that are not given.
     pub(super) fn of(text: &str, form: &TextForm) -> Self {
         let skipped = form.skip.unwrap_or(0);
         let text = &text[start_of_line(text, skipped)..];
@@ -121,20 +121,7 @@ impl Layout {
         let header: Vec<String> = split(text, separator).into_iter().map(clean).collect();
         let names = header.clone();
         let first = first.map_or(0, |line| line.end);
-        let about = About::default();
-        let (decimal_comma, thousands) = (false, false);
-        Self {
-            separator,
-            decimal_comma,
-            thousands,
-            comment,
-            names,
-            header,
-            first,
-            clocks: vec![],
-            about,
-            both_commas: None,
-        }
+        Self { separator, comment, names, header, first, ..Self::default() }
     }
 
     fn with(
@@ -191,7 +178,7 @@ impl Layout {
 
     /// Finds the columns that repeat the time for each channel, and those that have other times.
     fn find_twins(&mut self, rows: &[Vec<&str>], time: usize, before: usize) {
-        // A name without a word for the time says nothing of others with its beginning.
+        // Names that are alike are times only if one of them says so.
         if time_name::usual(&self.names[time]).is_none() && time_name::seconds(&self.names[time]).is_none() {
             return;
         }
@@ -246,7 +233,7 @@ impl Layout {
         };
         let values: Vec<f64> = cells(place).filter_map(|cell| self.number(cell)).collect();
         if rows.len() >= SETTLED && cells(place).next().is_none() {
-            // A column of times that nobody filled is none.
+            // An empty column is no time.
             self.about.counters.push(place);
         }
         let Some(first) = cells(place).next().filter(|_| values.len() > 1) else { return self.told() };

@@ -1,0 +1,36 @@
+//! Calls of the main loop's half for the example `panic_free`.
+
+use core::hint::black_box as opaque;
+
+use bearing_watch::alarm::SilenceLimits;
+use bearing_watch::model::BaselineConstants;
+use bearing_watch::plan::Plan;
+use bearing_watch::{Detector, Evidence, Model, Monitor};
+
+/// Every public function of a monitor.
+pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample: impl FnMut() -> P::Sample) {
+    let constants = opaque(BaselineConstants::new(opaque(50.0), opaque(2.0)));
+    let mut monitor = opaque(Monitor::following(Monitor::new(model), constants));
+    for _ in 0..opaque(50) {
+        if let Some(segment) = opaque(Detector::collect(detector, &sample())) {
+            let now = Monitor::conclude(&mut monitor, opaque(segment.clone()));
+            opaque((
+                now.alarm,
+                now.silence,
+                Detector::adopt(detector, now.report),
+                Detector::is_in_first_half(detector),
+            ));
+            Monitor::take(&mut monitor, segment);
+            for _ in 0..opaque(50) {
+                opaque((Monitor::advance(&mut monitor).is_some(), Monitor::is_solving(&monitor)));
+            }
+        }
+    }
+    let mut bytes = opaque([0; 1000]);
+    opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor), Monitor::trend(&monitor)));
+    opaque((Monitor::report(&monitor).is_some(), Monitor::baseline(&monitor).is_some(), Monitor::saved_len(&monitor)));
+    opaque((Monitor::save(&mut monitor, &mut bytes).is_ok(), Monitor::restore(&mut monitor, &bytes).is_ok()));
+    opaque(Evidence::segments(Monitor::evidence(&monitor)));
+    Monitor::limit_silence(&mut monitor, SilenceLimits { segments: opaque(3), hours: opaque(1.0) });
+    Monitor::reset(&mut monitor);
+}

@@ -1,0 +1,102 @@
+//! What the columns of a table are: traces, the time, and signals.
+
+use std::collections::HashMap;
+
+use crate::assemble::NO_TIME;
+use crate::signal::Signal;
+use crate::table::time_name::{seconds, usual};
+use crate::table::{About, Table};
+use model::Error;
+use model::trace::{Channels, stem};
+
+/// The names of the columns.
+pub(super) struct Header {
+    names: Vec<String>,
+    /// Place of the ids of the traces.
+    pub(super) trace: Option<usize>,
+    /// Place of the time, and the factor to seconds.
+    pub(super) time: Option<(usize, f64)>,
+    /// Places of columns that repeat the time.
+    pub(super) twins: Vec<usize>,
+    /// Place of the part of a second that the time lacks, and the seconds of its unit.
+    pub(super) fraction: Option<(usize, f64)>,
+}
+
+impl Header {
+    /// Of these columns; `time` is the column that was asked for, and the table tells which others are times.
+    ///
+    /// # Errors
+    /// There is no such column.
+    pub(super) fn of(names: Vec<String>, time: Option<&str>, about: &About) -> Result<Self, String> {
+        let factor =
+            |place: usize| if about.clocks.contains(&place) { 1.0 } else { seconds(&names[place]).unwrap_or(1.0) };
+        let time = match time {
+            Some(NO_TIME) => None,
+            Some(wanted) => {
+                let place = names.iter().position(|name| name == wanted);
+                let place =
+                    place.ok_or_else(|| format!("no column {wanted} for the time; there are {}", names.join(", ")))?;
+                Some((place, factor(place)))
+            }
+            None => {
+                let is_time = |place: &usize| usual(&names[*place]).is_some() && !about.counters.contains(place);
+                // Dates and the like are a time whatever their column is called.
+                let place = (0..names.len()).find(is_time).or_else(|| about.clocks.first().copied());
+                let unit = |place: usize| usual(&names[place]).flatten().filter(|_| !about.clocks.contains(&place));
+                place.map(|place| (place, unit(place).unwrap_or_else(|| factor(place))))
+            }
+        };
+        let twins = about.twins.clone();
+        let fraction = about.fraction.filter(|(place, _)| time.is_some_and(|(time, _)| time + 1 == *place));
+        Ok(Self { fraction, trace: names.iter().position(|name| name == "trace"), time, twins, names })
+    }
+
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    pub(super) fn place(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|column| column == name)
+    }
+
+    /// Whether a column holds the time or repeats it, or a part of it.
+    pub(super) fn is_time(&self, place: usize) -> bool {
+        self.time() == Some(place)
+            || self.twins.contains(&place)
+            || self.fraction.is_some_and(|(fraction, _)| fraction == place)
+    }
+
+    /// Place of the time.
+    pub(super) fn time(&self) -> Option<usize> {
+        self.time.map(|(place, _)| place)
+    }
+
+    /// A wanted column whose name occurs twice.
+    pub(super) fn doubled(&self, places: &[usize]) -> Option<&str> {
+        let wanted = places.iter().copied().chain(self.trace).chain(self.time());
+        let mut counts: HashMap<&str, usize> = HashMap::new();
+        let single = self.names.iter().enumerate().filter(|(place, _)| !self.twins.contains(place));
+        single.for_each(|(_, name)| *counts.entry(name).or_default() += 1);
+        wanted.map(|place| self.names[place].as_str()).find(|name| counts[name] > 1)
+    }
+
+    /// Signals of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of
+    /// velocity, load and reference if they are given.
+    pub(super) fn signals(&self, channels: &Channels) -> Result<Vec<Signal>, String> {
+        if self.names.iter().all(String::is_empty) {
+            return Err("the file is empty".into());
+        }
+        channels.in_order().into_iter().map(|channel| Signal::parse(channel, &self.names)).collect()
+    }
+}
+
+/// The header of a table.
+pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Error> {
+    Header::of(table.names().to_vec(), time, table.about())
+        .map_err(|problem| Error::content(table.path(), "header", problem))
+}
+
+/// Whether a table may have wanted traces: its only one is, or it has several.
+pub(super) fn is_wanted(header: &Header, table: &Table, wanted: &(dyn Fn(&str) -> bool + Sync)) -> bool {
+    header.trace.is_some() || wanted(stem(&table.id()))
+}
