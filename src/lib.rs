@@ -103,7 +103,7 @@ mod unroll;
 
 pub use alarm::evidence::{Alarm, Cause, Evidence};
 pub use decide::Decision;
-pub use detector::{Conclusion, Detector, Monitor, Segment, Solver};
+pub use detector::{Conclusion, Detector, Monitor, Segment};
 pub use known_answers::{arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};
@@ -120,7 +120,8 @@ pub use defmt;
 #[doc(hidden)]
 pub mod internals {
     pub use crate::alarm::trend::MAX_TREND_SEGMENTS;
-    pub use crate::decide::{Classification, Finding, MAX_SURPRISE};
+    pub use crate::decide::{Classification, MAX_SURPRISE};
+    pub use crate::detector::{Solver, conclude};
     pub use crate::regression::estimate::{
         Alone, Detached, Estimator, Pieces, RegressionSolve, RegressionSums, is_stable,
     };

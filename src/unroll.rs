@@ -1,4 +1,4 @@
-//! Loops of the hot path as straight-line code at every optimisation level.
+//! Loops as straight-line code in the hot path at every optimisation level, and as loops elsewhere.
 //!
 //! At `opt-level = "s"` the compiler unrolls no loop, and calls small functions of core such as `Zip::new` and
 //! `into_iter`. A plan fixes the length of every array, and most loops of a sample have two to four passes: iterators
@@ -51,3 +51,10 @@ macro_rules! unrolled {
 }
 
 pub(crate) use unrolled;
+
+/// Hides a value from the compiler, such as the slice or the length of a loop: a loop of known length becomes
+/// straight-line code, several times as large, where code runs once a segment.
+#[inline(always)]
+pub fn rolled<T>(value: T) -> T {
+    core::hint::black_box(value)
+}

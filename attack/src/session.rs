@@ -2,9 +2,10 @@
 
 use bearing_watch::alarm::{Baseline, Commissioning};
 use bearing_watch::drive::RotorFrame;
+use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::model::CommissioningConstants;
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Solver, Verdict};
+use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Verdict};
 
 use crate::input::Input;
 use crate::models::{baseline, numbers::Numbers};
@@ -130,7 +131,7 @@ impl<P: Plan> Session<'_, P> {
     /// Concludes a closed segment in any way. Pieces give the same bits as the whole.
     fn conclude(&mut self, segment: Segment<P>, how: u8) {
         let mut report = if how & 1 == 0 {
-            self.model.conclude(segment)
+            conclude(self.model, segment)
         } else {
             let mut solver = Solver::new(self.model, segment);
             for _ in 0..how {

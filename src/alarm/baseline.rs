@@ -19,7 +19,7 @@
 //! Missing coordinates remain as they are. Cost: a second classification of the segment, at once.
 
 use crate::decide::gates::density::Density;
-use crate::decide::{Classification, Classifier, Decision, Estimates, Finding, MAX_SURPRISE, Novelty, UNMARKED};
+use crate::decide::{Classification, Classifier, Decision, Estimates, MAX_SURPRISE, Novelty, UNMARKED, Verdict};
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::Reason;
 use crate::regression::factor::pairs;
@@ -204,9 +204,9 @@ impl<P: Plan> Baseline<P> {
     ) -> Result<(), Reason> {
         let mut classification = Classification::new(plan);
         classification.run(plan, classifier, estimates, self.offset(), decision)?;
-        let healthy = classifier.novelty.class.map(Finding::Class);
+        let healthy = classifier.novelty.class.map(Verdict::Class);
         // Written so that NaN is not followed.
-        if Some(classifier.finding(decision)) == healthy && decision.surprise < self.constants.gate {
+        if Some(classifier.verdict(decision)) == healthy && decision.surprise < self.constants.gate {
             let (z, variances) = classification.coordinates();
             self.move_to(classifier, z, variances);
         }

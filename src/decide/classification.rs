@@ -1,100 +1,48 @@
-//! The classification of a segment in steps of bounded cost.
+//! The classification of a segment.
 //!
 //! ```text
-//! covariates ─► features ─► coordinates ─► factor, by rows ─► likelihoods ─► posteriors, class
-//!                                          └ and, of a quadratic discriminant, the factor   │
-//!                                            for each class; its gate ◄────────┘           │
-//!                                                  distance, surprise ◄─ healthy factor ◄───┘
+//! covariates ─► features ─► coordinates ─► density of each class ─► posteriors, class; gate of each class
+//!                                       └─► healthy density ─► distance, surprise
 //! ```
 
 use super::classifier::Classifier;
-use super::discriminant::{Deciding, Decision};
+use super::discriminant::Decision;
 use super::features::{Estimates, FeatureValue};
-use super::gates::density::Density;
-use super::gates::rising;
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::reason::{Part, Reason};
 use crate::regression::factor::pairs;
 
-/// More steps than the largest model has.
-const MAX_STEPS: u32 = 1 << 24;
+/// A classification in steps.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Classification<P: Plan> {
+    coordinates: Array<P::Coordinates, f32>,
+    /// Of the coordinates' errors; infinite for one that is missing.
+    variances: Array<P::Coordinates, f32>,
+    next: Step,
+}
 
 /// What the next step does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-enum Stage {
-    /// Covariate k.
-    Covariates,
-    /// Feature k.
-    Features,
-    /// Coordinate k.
-    Coordinates,
-    /// The factor of class k.
-    Load,
-    /// Its next step.
-    Widen,
-    /// Log-likelihood of class k.
-    Likelihoods,
-    /// Whether the segment is beyond the gate of class k.
-    Gates,
-    /// A step of posteriors, costs and class.
-    Posteriors,
-    /// The next step of the healthy class's factor.
-    Healthy,
-    /// The squared distance, and the values that are judged one by one.
-    Novelty,
-    /// Distance and its surprise.
-    Distance,
-    /// Step k towards the surprise of the rarest value.
-    Rising,
-}
-
-/// A classification under way, in steps of at most 2 F, Z² or 6 V multiply-adds.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Classification<P: Plan> {
-    departures: Array<P::Covariates, FeatureValue>,
-    features: Array<P::Features, FeatureValue>,
-    coordinates: Array<P::Coordinates, f32>,
-    variances: Array<P::Coordinates, f32>,
-    density: Density<P>,
-    likelihoods: Array<P::Classes, f32>,
-    /// Squared distance from class k.
-    squared: f32,
-    deciding: Deciding,
-    /// With rising coordinates, d² of the others and the score of each, and then what follows from them.
-    judged: Array<P::Laws, f32>,
-    /// Number of others that are available.
-    others: usize,
-    stage: Stage,
-    k: usize,
-    /// Whether there is a coordinate that is not missing.
-    available: bool,
-    /// Why the first covariate or feature is missing.
-    reason: Option<Reason>,
+enum Step {
+    /// Covariates, features and coordinates.
+    Project,
+    /// Densities, posteriors, costs, class, and the gates of the classes.
+    Compare,
+    /// Distance from the healthy class, and surprise.
+    Depart,
 }
 
 impl<P: Plan> Classification<P> {
     /// Nothing classified yet.
     #[must_use]
     pub fn new(plan: P) -> Self {
-        let layout = plan.layout();
-        let coordinates = layout.coordinates as usize;
+        let coordinates = plan.layout().coordinates as usize;
         Self {
-            departures: Cells::filled(layout.covariates as usize, FeatureValue::MISSING),
-            features: Cells::filled(layout.features as usize, FeatureValue::MISSING),
             coordinates: Cells::filled(coordinates, 0.0),
             variances: Cells::filled(coordinates, 0.0),
-            density: Density::new(plan),
-            likelihoods: Cells::filled(layout.classes as usize, 0.0),
-            squared: 0.0,
-            deciding: Deciding::new(),
-            judged: Cells::filled(layout.laws(), rising::MISSING),
-            others: 0,
-            stage: if layout.covariates > 0 { Stage::Covariates } else { Stage::Features },
-            k: 0,
-            available: false,
-            reason: None,
+            next: Step::Project,
         }
     }
 
@@ -108,70 +56,16 @@ impl<P: Plan> Classification<P> {
         estimates: Estimates<'_, P>,
         decision: &mut Decision<P>,
     ) -> Option<Result<(), Reason>> {
-        match self.stage {
-            // Known at compile time: a plan without covariates carries no code for them.
-            Stage::Covariates if plan.layout().covariates > 0 => {
-                self.take_covariate(plan, classifier, estimates, decision);
+        let (outcome, next) = match self.next {
+            Step::Project => (self.project(plan, classifier, estimates, decision), Step::Compare),
+            Step::Compare => (self.compare(plan, classifier, decision), Step::Depart),
+            Step::Depart => {
+                self.depart(classifier, decision);
+                return Some(Ok(()));
             }
-            Stage::Covariates | Stage::Features => self.take_feature(plan, classifier, estimates, decision),
-            Stage::Coordinates => {
-                if self.project(classifier) {
-                    let none = self.reason.unwrap_or(Reason::NotFinite(Part::Classifier));
-                    return (!self.available).then_some(Err(none));
-                }
-            }
-            Stage::Load | Stage::Widen | Stage::Likelihoods => self.weigh(plan, classifier),
-            Stage::Gates => self.ask_gate(plan, classifier, decision),
-            Stage::Posteriors => {
-                let done = self.deciding.step(&classifier.discriminant, self.likelihoods.cells(), decision)?;
-                if !done {
-                    return Some(Err(Reason::NotFinite(Part::Classifier)));
-                }
-                self.density.load(classifier.novelty.factor.cells());
-                self.stage = Stage::Healthy;
-            }
-            Stage::Healthy => {
-                let known = classifier.novelty.class.is_some();
-                if !(known && self.density.step(self.variances.cells())) {
-                    self.stage = Stage::Novelty;
-                }
-            }
-            Stage::Novelty => {
-                let (novelty, z) = (&classifier.novelty, self.coordinates.cells());
-                if novelty.class.is_none() {
-                    return Some(Ok(()));
-                }
-                // Known at compile time, as for covariates.
-                decision.distance = if plan.layout().rising == 0 {
-                    self.density.squared_distance(novelty.mean.cells(), z)
-                } else {
-                    let scores = novelty.score(&self.density, z, self.judged.cells_mut());
-                    self.others = scores.others;
-                    scores.squared
-                };
-                self.stage = Stage::Distance;
-            }
-            Stage::Distance => {
-                let all = self.coordinates.cells().len();
-                decision.depart(classifier.novelty.departure(decision.distance, self.density.available(), all));
-                if plan.layout().rising == 0 {
-                    return Some(Ok(()));
-                }
-                (self.stage, self.k) = (Stage::Rising, 0);
-            }
-            // A plan without rising coordinates carries no code for them.
-            Stage::Rising if plan.layout().rising > 0 => {
-                let (laws, judged) = (classifier.novelty.laws.cells(), self.judged.cells_mut());
-                rising::judge(laws, judged, self.k, [self.others, self.coordinates.cells().len()]);
-                self.k = self.k.wrapping_add(1);
-                if self.k >= rising::steps(judged.len()) {
-                    decision.surprise = judged.first().copied().unwrap_or(0.0);
-                    return Some(Ok(()));
-                }
-            }
-            Stage::Rising => return Some(Ok(())),
-        }
-        None
+        };
+        self.next = next;
+        outcome.err().map(Err)
     }
 
     /// Does all steps, at coordinates less this offset.
@@ -186,17 +80,11 @@ impl<P: Plan> Classification<P> {
         offset: &[f32],
         decision: &mut Decision<P>,
     ) -> Result<(), Reason> {
-        let mut moved = false;
-        for _ in 0..MAX_STEPS {
-            if let Some(result) = self.step(plan, classifier, estimates, decision) {
-                return result;
-            }
-            if !moved && self.stage == Stage::Load {
-                moved = true;
-                pairs(self.coordinates.cells_mut(), offset).for_each(|(z, own)| *z -= own);
-            }
-        }
-        Err(Reason::NotFinite(Part::Classifier))
+        self.project(plan, classifier, estimates, decision)?;
+        pairs(self.coordinates.cells_mut(), offset).for_each(|(z, offset)| *z -= offset);
+        self.compare(plan, classifier, decision)?;
+        self.depart(classifier, decision);
+        Ok(())
     }
 
     /// The coordinates and the variances of their errors, once they are there.
@@ -204,106 +92,109 @@ impl<P: Plan> Classification<P> {
         (self.coordinates.cells(), self.variances.cells())
     }
 
-    /// Covariate k.
-    fn take_covariate(
+    /// Covariates, features and coordinates.
+    #[inline(never)]
+    fn project(
         &mut self,
         plan: P,
         classifier: &Classifier<P>,
         estimates: Estimates<'_, P>,
         decision: &mut Decision<P>,
-    ) {
-        let own = self.departures.cells_mut().get_mut(self.k).zip(decision.outside.cells_mut().get_mut(self.k));
-        let (Some((cell, outside)), Some(own)) = (own, classifier.covariates.list.cells().get(self.k)) else {
-            return self.then(Stage::Features);
+    ) -> Result<(), Reason> {
+        let layout = plan.layout();
+        let mut departures: Array<P::Covariates, FeatureValue> =
+            Cells::filled(layout.covariates as usize, FeatureValue::MISSING);
+        // Known at compile time: a plan without covariates carries no code for them.
+        let of_covariates = if layout.covariates > 0 {
+            covariates(plan, classifier, estimates, decision, departures.cells_mut())
+        } else {
+            None
         };
-        let place = u8::try_from(self.k).unwrap_or(u8::MAX);
-        let departure = own.feature.value(plan, estimates).map(|value| own.departure(value));
+        let mut features: Array<P::Features, FeatureValue> =
+            Cells::filled(layout.features as usize, FeatureValue::MISSING);
+        let mut reason = of_covariates;
+        let cells = features.cells_mut().iter_mut().zip(decision.missing.cells_mut());
+        for (k, ((cell, missing), feature)) in cells.zip(classifier.features.cells()).enumerate() {
+            let value = feature.value(plan, estimates);
+            *cell = corrected(classifier, value, k, departures.cells());
+            reason = reason.or(value.err());
+            *missing = cell.is_missing();
+        }
+        let mut available = false;
+        let features = features.cells();
+        let cells = self.coordinates.cells_mut().iter_mut().zip(self.variances.cells_mut());
+        for (k, (cell, variance)) in cells.enumerate() {
+            let z = classifier.projection.coordinate(features, k);
+            (*cell, *variance) = (z.value, z.variance);
+            available |= !z.is_missing();
+        }
+        if available { Ok(()) } else { Err(reason.unwrap_or(Reason::NotFinite(Part::Classifier))) }
+    }
+
+    /// Log-likelihoods, posteriors and class, and whether the segment is beyond the gate of each class. The classes of a
+    /// linear discriminant share the factor.
+    #[inline(never)]
+    fn compare(&self, plan: P, classifier: &Classifier<P>, decision: &mut Decision<P>) -> Result<(), Reason> {
+        let (kind, discriminant) = (plan.layout().discriminant, &classifier.discriminant);
+        let (z, variances) = self.coordinates();
+        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(plan.layout().classes as usize, 0.0);
+        let mut density = discriminant.density(kind, z.len(), variances, 0);
+        let cells = likelihoods.cells_mut().iter_mut().zip(decision.beyond.cells_mut());
+        for (class, (likelihood, beyond)) in (0_u8..).zip(cells) {
+            if kind == Kind::Quadratic && class > 0 {
+                density = discriminant.density(kind, z.len(), variances, class as usize);
+            }
+            let squared = discriminant.squared_distance(&density, z, class as usize);
+            *likelihood = density.log_density(squared);
+            *beyond = classifier.novelty.excludes(class, squared, [density.available(), z.len()]);
+        }
+        let decided = discriminant.decide(likelihoods.cells(), decision);
+        if decided { Ok(()) } else { Err(Reason::NotFinite(Part::Classifier)) }
+    }
+
+    /// Distance from the healthy class and surprise; without such a class they remain zero.
+    fn depart(&self, classifier: &Classifier<P>, decision: &mut Decision<P>) {
+        let (z, variances) = self.coordinates();
+        if classifier.novelty.class.is_some() {
+            decision.depart(classifier.novelty.judge(z, variances));
+        }
+    }
+}
+
+/// The k-th feature as the classifier takes it, less what the covariates explain.
+#[inline(never)]
+fn corrected<P: Plan>(
+    classifier: &Classifier<P>,
+    value: Result<FeatureValue, Reason>,
+    k: usize,
+    departures: &[FeatureValue],
+) -> FeatureValue {
+    match value {
+        Ok(value) => classifier.covariates.corrected(classifier.projection.excess(value, k), k, departures),
+        Err(_) => FeatureValue::MISSING,
+    }
+}
+
+/// The departures of the covariates; why the first one has none.
+#[inline(never)]
+fn covariates<P: Plan>(
+    plan: P,
+    classifier: &Classifier<P>,
+    estimates: Estimates<'_, P>,
+    decision: &mut Decision<P>,
+    departures: &mut [FeatureValue],
+) -> Option<Reason> {
+    let mut reason = None;
+    let cells = departures.iter_mut().zip(decision.outside.cells_mut());
+    for (place, ((cell, outside), covariate)) in (0_u8..).zip(cells.zip(classifier.covariates.list.cells())) {
+        let departure = covariate.feature.value(plan, estimates).map(|value| covariate.departure(value));
         *cell = departure.unwrap_or(FeatureValue::MISSING);
         *outside = cell.is_missing();
         if *outside {
-            self.reason = self.reason.or(departure.err()).or(Some(Reason::OutOfRange { covariate: place }));
-        }
-        self.k = self.k.saturating_add(1);
-    }
-
-    /// Feature k.
-    fn take_feature(
-        &mut self,
-        plan: P,
-        classifier: &Classifier<P>,
-        estimates: Estimates<'_, P>,
-        decision: &mut Decision<P>,
-    ) {
-        let own = self.features.cells_mut().get_mut(self.k).zip(decision.missing.cells_mut().get_mut(self.k));
-        let (Some((cell, missing)), Some(feature)) = (own, classifier.features.cells().get(self.k)) else {
-            return self.then(Stage::Coordinates);
-        };
-        match feature.value(plan, estimates) {
-            Ok(value) => {
-                let value = classifier.projection.excess(value, self.k);
-                *cell = classifier.covariates.corrected(value, self.k, self.departures.cells());
-            }
-            Err(reason) => self.reason = self.reason.or(Some(reason)),
-        }
-        *missing = cell.is_missing();
-        self.k = self.k.saturating_add(1);
-    }
-
-    /// Coordinate k; returns whether it was the last.
-    fn project(&mut self, classifier: &Classifier<P>) -> bool {
-        let own = self.coordinates.cells_mut().get_mut(self.k).zip(self.variances.cells_mut().get_mut(self.k));
-        let Some((cell, variance)) = own else {
-            self.then(Stage::Load);
-            return true;
-        };
-        let z = classifier.projection.coordinate(self.features.cells(), self.k);
-        (*cell, *variance) = (z.value, z.variance);
-        self.available |= !z.is_missing();
-        self.k = self.k.saturating_add(1);
-        false
-    }
-
-    /// The factor and the log-likelihood of class k. The classes of a linear discriminant share the factor.
-    fn weigh(&mut self, plan: P, classifier: &Classifier<P>) {
-        let (kind, discriminant) = (plan.layout().discriminant, &classifier.discriminant);
-        let z = self.coordinates.cells();
-        match self.stage {
-            Stage::Load => {
-                self.density.load(discriminant.factor(kind, z.len(), self.k));
-                self.stage = Stage::Widen;
-            }
-            Stage::Widen => {
-                if !self.density.step(self.variances.cells()) {
-                    self.stage = Stage::Likelihoods;
-                }
-            }
-            _ => {
-                let Some(cell) = self.likelihoods.cells_mut().get_mut(self.k) else {
-                    return self.then(Stage::Posteriors);
-                };
-                self.squared = discriminant.squared_distance(&self.density, z, self.k);
-                *cell = self.density.log_density(self.squared);
-                self.stage = Stage::Gates;
-            }
+            reason = reason.or(departure.err()).or(Some(Reason::OutOfRange { covariate: place }));
         }
     }
-
-    /// Compares the distance from class k with its gate.
-    fn ask_gate(&mut self, plan: P, classifier: &Classifier<P>, decision: &mut Decision<P>) {
-        let counts = [self.density.available(), self.coordinates.cells().len()];
-        let class = u8::try_from(self.k).unwrap_or(u8::MAX);
-        if let Some(cell) = decision.beyond.cells_mut().get_mut(self.k) {
-            *cell = classifier.novelty.excludes(class, self.squared, counts);
-        }
-        self.k = self.k.saturating_add(1);
-        let last = self.k >= self.likelihoods.cells().len();
-        let next = plan.layout().discriminant == Kind::Quadratic && !last;
-        self.stage = if next { Stage::Load } else { Stage::Likelihoods };
-    }
-
-    fn then(&mut self, stage: Stage) {
-        (self.stage, self.k) = (stage, 0);
-    }
+    reason
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::discriminant::{Decision, Discriminant};
 use super::features::Feature;
 use super::gates::Novelty;
 use super::projection::Projection;
+use super::verdict::Verdict;
 use crate::plan::{Array, Cells, Plan};
 
 /// The trained constants of the classifier.
@@ -21,19 +22,6 @@ pub struct Classifier<P: Plan> {
     pub discriminant: Discriminant<P>,
     /// The distribution of the healthy class.
     pub novelty: Novelty<P>,
-}
-
-/// What a decision means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Finding {
-    /// The class of least expected cost.
-    Class(u8),
-    /// Healthy has the least expected cost, but the segment is too far from the healthy class; or the segment is too
-    /// far from every class.
-    Novel,
-    /// The least expected cost exceeds the cost of no decision.
-    Ambiguous,
 }
 
 impl<P: Plan> Classifier<P> {
@@ -73,7 +61,7 @@ impl<P: Plan> Classifier<P> {
     /// set rate.
     #[inline]
     #[must_use]
-    pub fn finding(&self, decision: &Decision<P>) -> Finding {
+    pub fn verdict(&self, decision: &Decision<P>) -> Verdict {
         let unhealthy = decision.surprise >= self.novelty.limit;
         // Costs may decide for a class that the segment is far from, if it is near another one.
         let mut class = 0_u8;
@@ -83,11 +71,11 @@ impl<P: Plan> Classifier<P> {
             far
         });
         if far_from_all || (unhealthy && Some(decision.class) == self.novelty.class) {
-            Finding::Novel
+            Verdict::Novel
         } else if decision.least_cost() > self.discriminant.reject_cost {
-            Finding::Ambiguous
+            Verdict::Ambiguous
         } else {
-            Finding::Class(decision.class)
+            Verdict::Class(decision.class)
         }
     }
 }

@@ -180,107 +180,45 @@ impl<P: Plan> Discriminant<P> {
     /// Posteriors (2), expected costs and class (3) from log-likelihoods, which may be sums over several independent
     /// segments; returns `false` if no likelihood is finite or one is not a number.
     pub fn decide(&self, log_likelihoods: &[f32], decision: &mut Decision<P>) -> bool {
-        let mut deciding = Deciding::new();
-        loop {
-            if let Some(decided) = deciding.step(self, log_likelihoods, decision) {
-                break decided;
-            }
+        let Some(largest) = self.join(log_likelihoods, decision) else { return false };
+        let mut total = 0.0;
+        for density in decision.posteriors.cells_mut() {
+            *density = libm::expf(*density - largest);
+            total += *density;
         }
-    }
-}
-
-/// What is computed for each class in turn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-enum Quantity {
-    /// Logarithm of the joint density, and the largest of them.
-    Joint,
-    /// Joint density relative to the largest, and the sum of them.
-    Density,
-    /// (2).
-    Posterior,
-    /// (3), and the class of the least.
-    Cost,
-}
-
-/// A decision under way, one quantity of one class a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Deciding {
-    quantity: Quantity,
-    class: u8,
-    /// Largest logarithm of a joint density, NaN if one is; then the least expected cost.
-    extreme: f32,
-    /// Σ of (2).
-    total: f32,
-}
-
-impl Deciding {
-    /// Nothing decided yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { quantity: Quantity::Joint, class: 0, extreme: f32::NEG_INFINITY, total: 0.0 }
+        decision.posteriors.cells_mut().iter_mut().for_each(|density| *density /= total); // (2)
+        self.choose(decision)
     }
 
-    /// Does the next of 4 (C + 1) steps; `Some(false)` if no likelihood is finite or one is not a number, `Some(true)`
-    /// once the decision is complete.
+    /// The logarithms of the joint densities in the place of the posteriors; the largest, if it is finite.
     #[inline(never)]
-    pub fn step<P: Plan>(
-        &mut self,
-        discriminant: &Discriminant<P>,
-        log_likelihoods: &[f32],
-        decision: &mut Decision<P>,
-    ) -> Option<bool> {
-        let class = self.class as usize;
-        let classes = decision.posteriors.cells().len();
-        let Some(cell) = decision.posteriors.cells_mut().get_mut(class) else { return self.next() };
-        match self.quantity {
-            Quantity::Joint => {
-                let likelihood = log_likelihoods.get(class).copied().unwrap_or(f32::NAN);
-                *cell = likelihood + discriminant.log_prior.cells().get(class).copied().unwrap_or(f32::NAN);
-                // A NaN stays, since nothing is greater.
-                if *cell > self.extreme || cell.is_nan() {
-                    self.extreme = *cell;
-                }
-                if let Some(own) = decision.log_likelihoods.cells_mut().get_mut(class) {
-                    *own = likelihood;
-                }
+    fn join(&self, log_likelihoods: &[f32], decision: &mut Decision<P>) -> Option<f32> {
+        let mut largest = f32::NEG_INFINITY;
+        let cells = decision.posteriors.cells_mut().iter_mut().zip(decision.log_likelihoods.cells_mut());
+        for (class, (joint, cell)) in cells.enumerate() {
+            let likelihood = log_likelihoods.get(class).copied().unwrap_or(f32::NAN);
+            *joint = likelihood + self.log_prior.cells().get(class).copied().unwrap_or(f32::NAN);
+            // A NaN stays, since nothing is greater.
+            if *joint > largest || joint.is_nan() {
+                largest = *joint;
             }
-            Quantity::Density => {
-                *cell = libm::expf(*cell - self.extreme);
-                self.total += *cell;
-            }
-            Quantity::Posterior => *cell /= self.total, // (2)
-            Quantity::Cost => {
-                let costs = discriminant.costs.cells().get(class.wrapping_mul(classes)..).unwrap_or(&[]);
-                let posteriors = decision.posteriors.cells();
-                let expected = pairs(costs, posteriors).fold(0.0, |sum, (cost, posterior)| sum + cost * posterior);
-                if let Some(cell) = decision.expected_costs.cells_mut().get_mut(class) {
-                    *cell = expected;
-                }
-                if expected < self.extreme {
-                    (decision.class, self.extreme) = (self.class, expected); // (3)
-                }
-            }
+            *cell = likelihood;
         }
-        self.class = self.class.wrapping_add(1);
-        None
+        largest.is_finite().then_some(largest)
     }
 
-    /// Goes on with the next quantity.
-    fn next(&mut self) -> Option<bool> {
-        self.class = 0;
-        self.quantity = match self.quantity {
-            Quantity::Joint if !self.extreme.is_finite() => return Some(false),
-            Quantity::Joint => Quantity::Density,
-            Quantity::Density => Quantity::Posterior,
-            Quantity::Posterior => {
-                self.extreme = f32::INFINITY;
-                Quantity::Cost
+    /// The expected costs, and the class of the least; `false` if none is finite.
+    #[inline(never)]
+    fn choose(&self, decision: &mut Decision<P>) -> bool {
+        let (posteriors, mut least) = (decision.posteriors.cells(), f32::INFINITY);
+        for (class, cell) in (0_u8..).zip(decision.expected_costs.cells_mut()) {
+            let costs = self.costs.cells().get((class as usize).wrapping_mul(posteriors.len())..).unwrap_or(&[]);
+            *cell = pairs(costs, posteriors).fold(0.0, |sum, (cost, posterior)| sum + cost * posterior);
+            if *cell < least {
+                (decision.class, least) = (class, *cell); // (3)
             }
-            Quantity::Cost => return Some(self.extreme < f32::INFINITY),
-        };
-        None
+        }
+        least < f32::INFINITY
     }
 }
 

@@ -11,11 +11,13 @@ mod discriminant;
 mod features;
 pub(crate) mod gates;
 mod projection;
+mod verdict;
 
 pub use classification::Classification;
-pub use classifier::{Classifier, Finding};
+pub use classifier::Classifier;
 pub use covariates::{Covariate, Covariates};
 pub use discriminant::{Decision, Discriminant, UNMARKED};
 pub use features::{Estimates, Feature, FeatureValue};
 pub use gates::{Departure, KNOTS, Law, MAX_SURPRISE, Novelty};
 pub use projection::Projection;
+pub use verdict::Verdict;

@@ -6,17 +6,20 @@
 //!                 └─ averages of channels ──────┘
 //! ```
 //!
-//! [`Detector::collect`] costs about the same for every sample. It hands out the sums of a closed segment;
-//! [`Model::conclude`] or [`Solver`] makes the report in the main loop, and [`Detector::adopt`] returns it. Programs
-//! without interrupts call [`Detector::step`], which does all of it.
+//! [`Detector::collect`] costs about the same for every sample. It hands out the sums of a closed segment; [`Monitor`]
+//! makes the report in the main loop, and [`Detector::adopt`] returns it. Programs without interrupts call
+//! [`Detector::step`], which does all of it.
 
 mod commissioning;
 mod monitor;
 mod sequence;
 mod solver;
+mod verdict;
 
 pub use monitor::{Conclusion, Monitor};
-pub use solver::{Segment, Solver};
+pub use solver::Segment;
+#[cfg(any(test, feature = "internals"))]
+pub use solver::{Solver, conclude};
 
 use sequence::Sequence;
 
@@ -94,8 +97,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     }
 
     /// Takes one sample, in time that hardly depends on the data; returns the sums with the sample that closes a
-    /// segment. Conclude them by [`Model::conclude`] or [`Solver`] in the main loop, and hand the report to
-    /// [`Detector::adopt`].
+    /// segment. Give them to [`Monitor`] in the main loop, and its report to [`Detector::adopt`].
     #[inline]
     pub fn collect(&mut self, sample: &P::Sample) -> Option<Segment<P>> {
         if self.take(sample) { self.detach() } else { None }
@@ -189,7 +191,7 @@ impl<'m, P: Plan> Detector<'m, P> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         let mut report = Some(Report::empty(plan));
         if let Some(report) = &mut report {
-            self.model.solve(&mut self.segment(true), report);
+            self.segment(true).solve(self.model, report);
             let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
             if let (Some(estimator), Some(regression), Some(estimate)) = parts {
                 estimator.offer(plan, regression, estimate);
@@ -218,7 +220,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// state.
     #[must_use]
     pub fn preview(&self) -> Report<P> {
-        self.model.report(&mut self.segment(false))
+        self.segment(false).report(self.model)
     }
 
     /// Number of samples in the open segment, after averaging.
@@ -236,7 +238,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// Closes the open segment at the end of a recording, reports it, and starts afresh. The caller decides whether a
     /// part of a segment is enough: see [`Detector::pending`].
     pub fn finish(&mut self) -> Report<P> {
-        let report = self.model.report(&mut self.segment(false));
+        let report = self.segment(false).report(self.model);
         self.restart();
         report
     }

@@ -13,7 +13,8 @@
 //! out again if that one puts it in doubt.
 
 use super::sequence::Sequence;
-use super::solver::{PIECE, Segment, Solve};
+use super::solver::{Segment, Solve};
+use super::verdict;
 use crate::alarm::baseline::BaselineConstants;
 use crate::alarm::evidence::{Alarm, Evidence};
 use crate::alarm::{Baseline, Silence, SilenceLimits, StateError, Trend};
@@ -139,7 +140,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.conclusion()
     }
 
-    /// Takes a closed segment, which [`Monitor::advance`] solves in pieces; what is left of the one before is solved at
+    /// Takes a closed segment, which [`Monitor::advance`] solves in steps; what is left of the one before is solved at
     /// once. The report before is withdrawn if this segment puts it in doubt, and stands otherwise.
     pub fn take(&mut self, segment: Segment<P>) {
         self.settle(segment.sequence.doubts_that(self.sequence));
@@ -150,15 +151,15 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.work = Work::Solving;
     }
 
-    /// Does a piece of bounded cost of the solve; returns the conclusion with the last one, and `None` where there is
-    /// nothing to solve. `cargo xtask measure` prints the instructions of the longest piece. Pieces give the bits of
+    /// Does the next step of the solve; returns the conclusion with the last one, and `None` where there is nothing to
+    /// solve. `cargo xtask measure` prints the instructions of the longest step. Steps give the bits of
     /// [`Monitor::conclude`].
     pub fn advance(&mut self) -> Option<Conclusion<'_, P>> {
         if self.work != Work::Solving {
             return None;
         }
         let segment = self.segment.as_mut()?;
-        if !self.solve.advance(self.model, segment, &mut self.report, PIECE) {
+        if !self.solve.advance(self.model, segment, &mut self.report) {
             return None;
         }
         self.judge();
@@ -181,7 +182,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
             *at_bound = baseline.at_bound();
             self.model.follow(baseline, &mut self.report);
         }
-        self.model.log(&self.report);
+        verdict::log(self.model, &self.report);
         self.evidence_before.clone_from(&self.evidence);
         self.evidence.observe_outcome(self.report.outcome());
     }

@@ -1,8 +1,8 @@
-//! A closed segment → its [`Report`], at once or in pieces of bounded cost.
+//! A closed segment → its [`Report`], at once or in steps.
 
 use super::sequence::Sequence;
-use crate::alarm::Baseline;
-use crate::decide::{Classification, Decision, Finding};
+use super::verdict;
+use crate::decide::{Classification, Decision};
 use crate::known_answers::arithmetic_test;
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
@@ -12,9 +12,6 @@ use crate::report::{Report, Verdict};
 use crate::shaft::{ShaftSolve, ShaftSums};
 use crate::signal::Counts;
 use crate::signal::average::{self, Averages};
-
-/// Instructions of a piece, about; its last step may exceed them.
-pub(super) const PIECE: usize = 140;
 
 /// The sums of a closed segment, separate from the detector.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,22 +33,29 @@ pub struct Segment<P: Plan> {
     pub(super) sequence: Sequence,
 }
 
-/// What the next piece does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-enum Stage {
-    Trust,
-    Regression,
-    Shaft,
-    Plausibility,
-    Classification,
-    Done,
+impl<P: Plan> Segment<P> {
+    /// The report, in the place of the caller's: a copy would take stack. The sums are overwritten.
+    #[inline(never)]
+    pub(super) fn solve(&mut self, model: &Model<P>, report: &mut Report<P>) {
+        Solve::new(model.plan()).run(model, self, report);
+        verdict::log(model, report);
+    }
+
+    /// The report; the sums are overwritten.
+    pub(super) fn report(&mut self, model: &Model<P>) -> Report<P> {
+        let mut report = Report::empty(model.plan());
+        self.solve(model, &mut report);
+        report
+    }
+
+    /// Parts with a stuck channel have no result.
+    fn stuck(&self, mask: u16) -> Option<Reason> {
+        self.counts.stuck.first_of(mask).map(|channel| Reason::Stuck { channel })
+    }
 }
 
-/// The solve of a closed segment in pieces.
-///
-/// Each call of [`Solver::advance`] does a few steps and returns; `cargo xtask measure` prints the instructions of the
-/// longest call, of the examples' signals and of any data. Pieces give the same bits as [`Model::conclude`].
+/// A segment and its solve without a monitor, for tests and measurements.
+#[cfg(any(test, feature = "internals"))]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Solver<'m, P: Plan> {
@@ -61,6 +65,7 @@ pub struct Solver<'m, P: Plan> {
     solve: Solve<P>,
 }
 
+#[cfg(any(test, feature = "internals"))]
 impl<'m, P: Plan> Solver<'m, P> {
     /// Nothing solved yet.
     #[must_use]
@@ -69,9 +74,9 @@ impl<'m, P: Plan> Solver<'m, P> {
         Self { model, segment, report: Report::empty(plan), solve: Solve::new(plan) }
     }
 
-    /// Does the next piece; returns the report with the last one. Further calls return it again.
+    /// Does the next step; returns the report with the last one. Further calls return it again.
     pub fn advance(&mut self) -> Option<&Report<P>> {
-        let done = self.solve.advance(self.model, &mut self.segment, &mut self.report, PIECE);
+        let done = self.solve.advance(self.model, &mut self.segment, &mut self.report);
         done.then_some(&self.report)
     }
 
@@ -83,6 +88,27 @@ impl<'m, P: Plan> Solver<'m, P> {
     }
 }
 
+/// The report of a segment without a monitor, for tests and measurements.
+#[cfg(any(test, feature = "internals"))]
+#[must_use]
+pub fn conclude<P: Plan>(model: &Model<P>, mut segment: Segment<P>) -> Report<P> {
+    segment.report(model)
+}
+
+/// More steps than the largest model has: 254 rows and columns, and as many orders.
+const MAX_STEPS: u32 = 1 << 11;
+
+/// What the next step does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Step {
+    Trust,
+    Regression,
+    Shaft,
+    Classification,
+    Done,
+}
+
 /// The state of a solve apart from its segment and its report, which are not moved.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -90,7 +116,7 @@ pub(super) struct Solve<P: Plan> {
     regression: Array<P::Regressed, RegressionSolve<P>>,
     shaft: Array<P::Watched, ShaftSolve>,
     classification: Classification<P>,
-    stage: Stage,
+    next: Step,
 }
 
 impl<P: Plan> Solve<P> {
@@ -102,233 +128,105 @@ impl<P: Plan> Solve<P> {
             regression: P::Regressed::part(layout.regressed() == 1, || RegressionSolve::new(plan)),
             shaft: P::Watched::part(layout.watched() == 1, ShaftSolve::new),
             classification: Classification::new(plan),
-            stage: Stage::Trust,
+            next: Step::Trust,
         }
-    }
-
-    /// Does about `budget` instructions of the next stage; whether the report is complete.
-    #[inline(never)]
-    pub(super) fn advance(
-        &mut self,
-        model: &Model<P>,
-        segment: &mut Segment<P>,
-        report: &mut Report<P>,
-        budget: usize,
-    ) -> bool {
-        let (plan, constants) = (model.plan(), model.constants());
-        let layout = plan.layout();
-        let stuck = segment.counts.stuck;
-        // Parts with a stuck channel have no result.
-        let reason = |mask: u16| stuck.first_of(mask).map(|channel| Reason::Stuck { channel });
-        match self.stage {
-            Stage::Trust => {
-                (report.counts, report.rows, report.model) = (segment.counts, segment.rows, model.mark());
-                if let Some(reason) = distrust(model, segment) {
-                    report.verdict = Verdict::Undetermined(reason);
-                    self.stage = Stage::Done;
-                    return true;
-                }
-                report.averages = segment.averages.clone();
-                average::mark_stuck::<P>(&mut report.averages, stuck);
-                self.stage = Stage::Regression;
-            }
-            Stage::Regression => {
-                let parts = (self.regression.part_mut(), segment.regression.part_mut(), layout.regression);
-                let own = (constants.regression.part(), report.estimate.part_mut());
-                let done =
-                    if let ((Some(solve), Some(sums), Some(part)), (Some(regression), Some(estimate))) = (parts, own) {
-                        if let Some(reason) = reason(part.mask()) {
-                            estimate.reason = Some(reason);
-                            true
-                        } else {
-                            solve.advance(plan, regression, sums, estimate, budget)
-                        }
-                    } else {
-                        true
-                    };
-                if done {
-                    self.stage = Stage::Shaft;
-                }
-            }
-            Stage::Shaft => {
-                let parts = (self.shaft.part_mut(), segment.shaft.part_mut(), layout.shaft);
-                let own = (constants.shaft.part(), report.shaft.part_mut());
-                let mut next = Stage::Classification;
-                let done = if let ((Some(solve), Some(sums), Some(part)), (Some(shaft), Some(estimate))) = (parts, own)
-                {
-                    let reason = reason(part.mask());
-                    if reason.is_some() {
-                        (estimate.friction_reason, estimate.orders_reason) = (reason, reason);
-                        true
-                    } else {
-                        next = Stage::Plausibility;
-                        solve.advance(plan, shaft, sums, estimate, budget)
-                    }
-                } else {
-                    true
-                };
-                if done {
-                    self.stage = next;
-                    report.decision = Some(Decision { model: model.mark(), ..Decision::empty(plan) });
-                }
-            }
-            Stage::Plausibility => {
-                // The first condition leaves no code in a plan without a shaft.
-                if layout.watched() == 1 && contradicts(model, segment, report) {
-                    self.stage = Stage::Done;
-                    return true;
-                }
-                self.stage = Stage::Classification;
-            }
-            Stage::Classification => {
-                let shaft = report.shaft.part().zip(constants.balance());
-                let estimates = (report.estimate.part(), shaft, report.averages.cells());
-                let Some(decision) = &mut report.decision else { return true };
-                let step = self.classification.step(plan, &constants.classifier, estimates, decision);
-                if let Some(result) = step {
-                    judge(model, segment, report, result);
-                    self.stage = Stage::Done;
-                    return true;
-                }
-            }
-            Stage::Done => return true,
-        }
-        false
     }
 
     /// Does all that is left.
     pub(super) fn run(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>) {
-        // Bounded: every call does a piece, and no model has so many.
-        for _ in 0..MAX_PIECES {
-            if self.advance(model, segment, report, usize::MAX) {
+        for _ in 0..MAX_STEPS {
+            if self.advance(model, segment, report) {
                 break;
             }
         }
     }
-}
 
-/// Why nothing is concluded from a segment, whatever is in it.
-#[inline(never)]
-fn distrust<P: Plan>(model: &Model<P>, segment: &Segment<P>) -> Option<Reason> {
-    if segment.model != model.mark() {
-        return Some(Reason::OtherModel);
-    }
-    // The main loop may have other settings of the processor than the interrupt.
-    segment.failed.or_else(|| arithmetic_test().err()).map(Reason::Arithmetic)
-}
-
-/// Whether the signals contradict the model or each other; then that is the reason for no verdict.
-// Out of line, so that it takes no stack during the solve.
-#[inline(never)]
-fn contradicts<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>) -> bool {
-    let sums = (segment.shaft.part(), model.constants().shaft.part());
-    let (Some(estimate), (Some(sums), Some(constants))) = (report.shaft.part_mut(), sums) else { return false };
-    let Some(error) = estimate.contradiction(constants, sums) else { return false };
-    report.verdict = Verdict::Undetermined(Reason::Implausible(error));
-    report.decision = None;
-    true
-}
-
-/// The verdict of a classified segment.
-fn judge<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>, result: Result<(), Reason>) {
-    let constants = model.constants();
-    // The model knows the spread of whole segments only.
-    let short = segment.whole && report.rows < constants.sampling.segment_samples / 2;
-    let result = if short { result.and(Err(Reason::ShortSegment { rows: report.rows })) } else { result };
-    conclude(model, report, result);
-}
-
-/// The verdict of a decision.
-#[inline(always)]
-fn conclude<P: Plan>(model: &Model<P>, report: &mut Report<P>, result: Result<(), Reason>) {
-    report.verdict = match (result, &report.decision) {
-        (Ok(()), Some(decision)) => match model.constants().classifier.finding(decision) {
-            Finding::Class(class) => Verdict::Class(class),
-            Finding::Novel => Verdict::Novel,
-            Finding::Ambiguous => Verdict::Ambiguous,
-        },
-        (Err(reason), _) => Verdict::Undetermined(reason),
-        // Never: a classified segment has a decision.
-        (Ok(()), None) => return,
-    };
-    if result.is_err() {
-        report.decision = None;
-    }
-}
-
-impl<P: Plan> Model<P> {
-    /// Decides the segment of a report anew, relative to a baseline that follows slow changes, and lets the baseline
-    /// follow. A report without a decision remains; one of another model, or by the baseline of another one, gets the
-    /// reason [`Reason::OtherModel`].
-    pub fn follow(&self, baseline: &mut Baseline<P>, report: &mut Report<P>) {
-        let (plan, constants) = (self.plan(), self.constants());
-        if report.decision.is_none() {
-            return;
-        }
-        if baseline.model() != self.mark() || report.model != self.mark() {
-            return conclude(self, report, Err(Reason::OtherModel));
-        }
-        let mut decision = Decision { model: self.mark(), ..Decision::empty(plan) };
-        let result = baseline.decide(plan, &constants.classifier, report.estimates(constants.balance()), &mut decision);
-        report.decision = Some(decision);
-        conclude(self, report, result);
-    }
-}
-
-/// More pieces than the largest model has: 254 columns need fewer than 254² steps of a piece each.
-const MAX_PIECES: u32 = 1 << 17;
-
-impl<P: Plan> Model<P> {
-    /// The report of a closed segment, in a thread that has the time; adopt it by
-    /// [`Detector::adopt`](crate::Detector::adopt).
-    #[must_use]
-    pub fn conclude(&self, mut segment: Segment<P>) -> Report<P> {
-        self.report(&mut segment)
-    }
-
-    /// The report of a closed segment, whose sums are overwritten.
-    pub(super) fn report(&self, segment: &mut Segment<P>) -> Report<P> {
-        let mut report = Report::empty(self.plan());
-        self.solve(segment, &mut report);
-        report
-    }
-
-    /// Solves a closed segment. Its sums are overwritten, and the report is in the place of the caller's: a copy of
-    /// either would take stack.
+    /// Does the next step; whether the report is complete.
     #[inline(never)]
-    pub(super) fn solve(&self, segment: &mut Segment<P>, report: &mut Report<P>) {
-        Solve::new(self.plan()).run(self, segment, report);
-        self.log(report);
+    pub(super) fn advance(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>) -> bool {
+        match self.next {
+            Step::Trust => self.next = if start(model, segment, report) { Step::Regression } else { Step::Done },
+            Step::Regression => {
+                if self.regress(model, segment, report) {
+                    self.next = Step::Shaft;
+                }
+            }
+            Step::Shaft => {
+                if self.watch(model, segment, report) {
+                    // Known at compile time: a plan without a shaft carries no code for it.
+                    let layout = model.plan().layout().shaft;
+                    let solved = layout.is_some_and(|layout| segment.stuck(layout.mask()).is_none());
+                    let contradicts = solved && verdict::contradicts(model, segment, report);
+                    self.next = if contradicts { Step::Done } else { Step::Classification };
+                }
+            }
+            Step::Classification => {
+                if self.classify(model, segment, report) {
+                    self.next = Step::Done;
+                }
+            }
+            Step::Done => {}
+        }
+        self.next == Step::Done
     }
 
-    /// With the feature `defmt`, logs each closed segment on a chip; host programs have no logger.
-    pub(super) fn log(&self, report: &Report<P>) {
-        #[cfg(all(feature = "defmt", target_os = "none"))]
-        {
-            let Report { rows, counts, .. } = report;
-            match report.verdict {
-                Verdict::Class(class) => {
-                    if counts.rejected > 0 || counts.saturated > 0 {
-                        defmt::warn!(
-                            "samples refused: {=u32} rejected, {=u32} saturated",
-                            counts.rejected,
-                            counts.saturated
-                        );
-                    }
-                    defmt::info!(
-                        "{=u32} rows, {}, class {=u8}, verdict: {=str}",
-                        rows,
-                        counts,
-                        class,
-                        self.label(class)
-                    );
-                }
-                Verdict::Novel => defmt::warn!("{=u32} rows, {}, verdict: novel", rows, counts),
-                Verdict::Ambiguous => defmt::info!("{=u32} rows, {}, verdict: ambiguous", rows, counts),
-                Verdict::Undetermined(reason) => defmt::warn!("{=u32} rows, {}, no verdict: {}", rows, counts, reason),
-            }
+    /// Does the next step of the regression; whether there is none left.
+    #[inline(always)]
+    fn regress(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>) -> bool {
+        let (plan, constants) = (model.plan(), model.constants());
+        let stuck = plan.layout().regression.and_then(|layout| segment.stuck(layout.mask()));
+        let parts = (self.regression.part_mut(), segment.regression.part_mut());
+        let given = (constants.regression.part(), report.estimate.part_mut());
+        let ((Some(solve), Some(sums)), (Some(regression), Some(estimate))) = (parts, given) else { return true };
+        if stuck.is_some() {
+            estimate.reason = stuck;
+            return true;
         }
-        #[cfg(not(all(feature = "defmt", target_os = "none")))]
-        let _ = (self, report);
+        solve.advance(plan, regression, sums, estimate)
     }
+
+    /// Does the next step of the shaft; whether there is none left.
+    #[inline(always)]
+    fn watch(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>) -> bool {
+        let (plan, constants) = (model.plan(), model.constants());
+        let stuck = plan.layout().shaft.and_then(|layout| segment.stuck(layout.mask()));
+        let parts = (self.shaft.part_mut(), segment.shaft.part_mut());
+        let given = (constants.shaft.part(), report.shaft.part_mut());
+        let ((Some(solve), Some(sums)), (Some(shaft), Some(estimate))) = (parts, given) else { return true };
+        if stuck.is_some() {
+            (estimate.friction_reason, estimate.orders_reason) = (stuck, stuck);
+            return true;
+        }
+        solve.advance(plan, shaft, sums, estimate)
+    }
+
+    /// Does the next step of the classification; whether it was the last.
+    #[inline(always)]
+    fn classify(&mut self, model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>) -> bool {
+        let (plan, constants) = (model.plan(), model.constants());
+        let shaft = report.shaft.part().zip(constants.balance());
+        let estimates = (report.estimate.part(), shaft, report.averages.cells());
+        let decision = report.decision.get_or_insert_with(|| Decision { model: model.mark(), ..Decision::empty(plan) });
+        let Some(result) = self.classification.step(plan, &constants.classifier, estimates, decision) else {
+            return false;
+        };
+        verdict::judge(model, segment, report, result);
+        true
+    }
+}
+
+/// Starts the report; `false` if nothing is concluded from the segment, whatever is in it.
+#[inline(never)]
+fn start<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>) -> bool {
+    (report.counts, report.rows, report.model) = (segment.counts, segment.rows, model.mark());
+    // The main loop may have other settings of the processor than the interrupt.
+    let failed = segment.failed.or_else(|| arithmetic_test().err()).map(Reason::Arithmetic);
+    let reason = if segment.model == model.mark() { failed } else { Some(Reason::OtherModel) };
+    if let Some(reason) = reason {
+        report.verdict = Verdict::Undetermined(reason);
+        return false;
+    }
+    report.averages = segment.averages.clone();
+    average::mark_stuck::<P>(&mut report.averages, segment.counts.stuck);
+    true
 }

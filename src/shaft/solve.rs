@@ -1,7 +1,7 @@
-//! The solve of the shaft's sums, in pieces: torque balance, then one order after the other.
+//! The solve of the shaft's sums in steps: torque balance, noise, then one order after the other.
 
-use super::balance::BalanceSolve;
-use super::orders::{NoiseLine, OrderStrength, SlipRange, SlipSearch};
+use super::balance::Estimated;
+use super::orders::{NoiseLine, OrderStrength, Search, SlipRange};
 use super::state::{ShaftConstants, ShaftEstimate, ShaftSums, Usage};
 use crate::plan::{Cells, Plan};
 use crate::reason::{Part, Reason};
@@ -10,12 +10,27 @@ use crate::reason::{Part, Reason};
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftSolve {
-    balance: BalanceSolve,
-    balanced: bool,
+    next: Step,
+    estimated: Estimated,
     noise: NoiseLine,
-    /// The next order, and the search for its slip.
-    order: usize,
-    search: SlipSearch,
+}
+
+/// What the next step does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Step {
+    /// Solve the torque balance.
+    Balance,
+    /// Compute the covariance of its parameters.
+    Covariance,
+    /// Compute the friction with its deviations.
+    Friction,
+    /// Find the noise at all orders.
+    Noise,
+    /// Look for the slip of this order.
+    Search(usize),
+    /// Compute its strength.
+    Strength(usize, Search),
 }
 
 /// 2ⁿ, n from −126 to 127.
@@ -27,18 +42,12 @@ impl ShaftSolve {
     /// Nothing solved yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self {
-            balance: BalanceSolve::new(),
-            balanced: false,
-            noise: NoiseLine::new(),
-            order: 0,
-            search: SlipSearch::new(),
-        }
+        Self { next: Step::Balance, estimated: Estimated::NONE, noise: NoiseLine::NONE }
     }
 
-    /// Does about `budget` instructions; `true` once the estimate is complete. Friction and orders do not depend on
-    /// each other: at constant speed there are orders only. But if gaps leave too few rows for the friction, there are
-    /// no orders either.
+    /// Does the next step; `true` once the estimate is complete. Friction and orders do not depend on each other: at
+    /// constant speed there are orders only. But if gaps leave too few rows for the friction, there are no orders
+    /// either.
     // In the caller's frame: one of its own takes more stack.
     #[inline(always)]
     pub fn advance<P: Plan>(
@@ -47,65 +56,82 @@ impl ShaftSolve {
         constants: &ShaftConstants<P>,
         sums: &mut ShaftSums<P>,
         estimate: &mut ShaftEstimate<P>,
-        budget: usize,
     ) -> bool {
-        let Some(layout) = plan.layout().shaft else { return true };
-        let Usage { seen, used } = sums.usage;
-        if !self.balanced {
-            estimate.usable = used as f32 / seen.max(1) as f32;
-            if used < seen / 2 {
-                let reason = Some(Reason::ShortSegment { rows: used });
-                (estimate.friction_reason, estimate.orders_reason) = (reason, reason);
-                return true;
-            }
-            let load = layout.load.is_some();
-            let friction = &mut estimate.friction;
-            match self.balance.advance(&constants.balance, load, &mut sums.balance, friction, budget) {
-                None => return false,
-                Some(outcome) => estimate.friction_reason = outcome.err(),
-            }
-            self.balanced = true;
-            // The residual is that of parameters which gaps left undetermined: the error of the friction is in it.
-            let gaps = used < seen.wrapping_sub(seen / 16);
-            let undetermined = matches!(estimate.friction_reason, Some(Reason::TooFewRows { .. }));
-            estimate.orders_reason = if gaps && undetermined { estimate.friction_reason } else { sums.orders.reason() };
-            return false;
-        }
+        let load = plan.layout().shaft.is_some_and(|layout| layout.load.is_some());
         let tracking = &constants.tracking;
-        if estimate.orders_reason.is_none() && !self.noise.take(&sums.orders.noise, &tracking.blocks.controls) {
-            return false;
-        }
-        let orders = (tracking.orders.cells().get(self.order), sums.orders.lines.cells().get(self.order));
-        let (Some(cell), (Some(order), Some(line)), None) =
-            (estimate.orders.cells_mut().get_mut(self.order), orders, estimate.orders_reason)
-        else {
-            if estimate.orders_reason.is_some() {
-                estimate.orders.cells_mut().fill(OrderStrength::default());
-            }
-            return true;
-        };
         let range = SlipRange { cell_turns: power_of_two(tracking.blocks.cell_turns_log2), slip: tracking.blocks.slip };
-        let mut spent = 0_usize;
-        while spent < budget {
-            if let Some(strength) = self.search.step(line, &self.noise, order, &range) {
-                let sum = strength.score + strength.amplitude + strength.slip_deviation;
-                if sum.is_finite() {
-                    *cell = strength;
-                } else {
-                    estimate.orders_reason = Some(Reason::NotFinite(Part::Orders));
+        let of_order = |k: usize| tracking.orders.cells().get(k).zip(sums.orders.lines.cells().get(k));
+        self.next = match self.next {
+            Step::Balance => {
+                if let Some(reason) = short(sums, estimate) {
+                    (estimate.friction_reason, estimate.orders_reason) = (Some(reason), Some(reason));
+                    return true;
                 }
-                self.search = SlipSearch::new();
-                self.order = self.order.saturating_add(1);
-                break;
+                match self.estimated.solve(&constants.balance, load, &mut sums.balance) {
+                    Ok(()) => Step::Covariance,
+                    Err(reason) => {
+                        estimate.friction_reason = Some(reason);
+                        Step::Noise
+                    }
+                }
             }
-            spent = spent.saturating_add(SEARCH);
-        }
+            Step::Covariance => {
+                self.estimated.correlate(&constants.balance, load, &mut sums.balance);
+                Step::Friction
+            }
+            Step::Friction => {
+                match self.estimated.friction(&constants.balance, load, sums.balance.rows) {
+                    Ok(friction) => (estimate.friction, estimate.friction_reason) = (friction, None),
+                    Err(reason) => estimate.friction_reason = Some(reason),
+                }
+                Step::Noise
+            }
+            Step::Noise => {
+                estimate.orders_reason = without_orders(sums, estimate.friction_reason);
+                if estimate.orders_reason.is_some() {
+                    return true;
+                }
+                self.noise = NoiseLine::new(&sums.orders.noise, &tracking.blocks.controls);
+                Step::Search(0)
+            }
+            Step::Search(k) => {
+                let Some((order, line)) = of_order(k) else { return true };
+                Step::Strength(k, Search::new(line, &self.noise, order, &range))
+            }
+            Step::Strength(k, search) => {
+                let Some(((order, line), cell)) = of_order(k).zip(estimate.orders.cells_mut().get_mut(k)) else {
+                    return true;
+                };
+                let strength = search.strength(line, order, &range);
+                let sum = strength.score + strength.amplitude + strength.slip_deviation;
+                if !sum.is_finite() {
+                    estimate.orders_reason = Some(Reason::NotFinite(Part::Orders));
+                    estimate.orders.cells_mut().fill(OrderStrength::default());
+                    return true;
+                }
+                *cell = strength;
+                Step::Search(k.wrapping_add(1))
+            }
+        };
         false
     }
 }
 
-/// Instructions of one slip, about.
-const SEARCH: usize = 250;
+/// The usable part of the segment; the reason if it is less than half.
+fn short<P: Plan>(sums: &ShaftSums<P>, estimate: &mut ShaftEstimate<P>) -> Option<Reason> {
+    let Usage { seen, used } = sums.usage;
+    estimate.usable = used as f32 / seen.max(1) as f32;
+    (used < seen / 2).then_some(Reason::ShortSegment { rows: used })
+}
+
+/// Why there are no orders. The residual is that of parameters which gaps may have left undetermined: the error of the
+/// friction is in it.
+fn without_orders<P: Plan>(sums: &ShaftSums<P>, friction: Option<Reason>) -> Option<Reason> {
+    let Usage { seen, used } = sums.usage;
+    let gaps = used < seen.wrapping_sub(seen / 16);
+    let undetermined = matches!(friction, Some(Reason::TooFewRows { .. }));
+    if gaps && undetermined { friction } else { sums.orders.reason() }
+}
 
 impl Default for ShaftSolve {
     fn default() -> Self {

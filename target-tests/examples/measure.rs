@@ -13,7 +13,7 @@ use bearing_watch::drive::{AlphaBeta, RotorFrame};
 use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{Channel, FeatureValue, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Plan};
-use bearing_watch::{Angle, Detector, Model, Park, Segment, Solver};
+use bearing_watch::{Angle, Detector, Model, Monitor, Park, Segment};
 
 use support::count::Counter;
 use support::numbers::Numbers;
@@ -201,7 +201,7 @@ fn monitor(counter: &mut Counter) {
     report("detector segment end, monitor", n, close, 0);
 }
 
-/// What a drive calls: a sample that collects, the sample that closes a segment, its solve at once and by pieces, and
+/// What a drive calls: a sample that collects, the sample that closes a segment, its solve at once and in steps, and
 /// reading the model.
 fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<P>, samples: &[P::Sample]) {
     let mut detector = Detector::new(black_box(model));
@@ -229,23 +229,26 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
     line(format_args!("{name}, collect, mean sample"), n, total / (length - 1), Some(size_of_val(&detector)));
     line(format_args!("{name}, collect, longest sample"), n, longest, None);
     line(format_args!("{name}, collect, sample that closes"), n, close, Some(size_of_val(&segment)));
-    let mut verdict = None;
-    let whole = counter.instructions_per_call(1, |_| {
-        let report = black_box(model).conclude(black_box(&segment).clone());
-        verdict = Some(black_box(&report).verdict);
+    let (mut verdict, mut monitor, mut next) = (None, Monitor::new(model), Some(segment.clone()));
+    let whole = counter.instructions_once(|| {
+        if let Some(segment) = black_box(&mut next).take() {
+            verdict = Some(black_box(&mut monitor).conclude(segment).report.verdict);
+        }
     });
     line(format_args!("{name}, conclude"), n, whole, None);
     if let Some(bearing_watch::Verdict::Undetermined(reason)) = verdict {
         say!("no verdict: {reason}");
     }
-    let mut solver = Solver::new(model, segment);
-    let (mut pieces, mut largest, mut done) = (0, 0, false);
-    while !done {
-        let piece = counter.instructions_per_call(1, |_| done = black_box(&mut solver).advance().is_some());
-        (pieces, largest) = (pieces + 1, piece.max(largest));
+    monitor.take(segment);
+    let (mut steps, mut largest) = (0, 0);
+    while monitor.is_solving() {
+        let step = counter.instructions_once(|| {
+            black_box(black_box(&mut monitor).advance().is_some());
+        });
+        (steps, largest) = (steps + 1, step.max(largest));
     }
-    line(format_args!("{name}, longest piece"), n, largest, Some(size_of_val(&solver)));
-    say!(r#"{{"name":"{name}, number of pieces","n":{pieces},"instructions":null,"bytes":null}}"#);
+    line(format_args!("{name}, longest step"), n, largest, Some(size_of_val(&monitor)));
+    say!(r#"{{"name":"{name}, number of steps","n":{steps},"instructions":null,"bytes":null}}"#);
     let mut buffer = [0; 2048];
     let Ok(written) = model.to_bytes("", &mut buffer) else { return };
     let bytes = buffer.get(..written).unwrap_or_default();

@@ -13,7 +13,7 @@ use core::hint::black_box;
 
 use bearing_watch::drive::{By, Factor, FrontEnd, RawSample};
 use bearing_watch::plan::{Cells, Plan, Signals};
-use bearing_watch::{Angle, Detector, Model, Segment, Solver};
+use bearing_watch::{Angle, Detector, Model, Monitor, Segment};
 
 use support::count::Counter;
 use support::damage::{CHANNELS, Damage, Dice, Recipe};
@@ -83,7 +83,7 @@ fn search<const KINDS: usize>(mut run: impl FnMut(&Recipe) -> [u32; KINDS]) -> [
 
 /// Calls of a detector whose instructions are counted.
 const CALLS: [&str; 6] =
-    ["collect, longest sample", "collect, sample that closes", "conclude", "longest piece", "adopt", "discard"];
+    ["collect, longest sample", "collect, sample that closes", "conclude", "longest step", "adopt", "discard"];
 
 fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<P>, good: &[P::Sample]) {
     let Some(model) = shortened(model) else { return say!("{name}: no model with short segments") };
@@ -121,13 +121,14 @@ fn stream<P: Plan>(
     good: &[P::Sample],
     recipe: &Recipe,
 ) -> [u32; CALLS.len()] {
-    let [mut sample_most, mut close_most, mut conclude_most, mut piece_most, mut adopt_most, mut discard_most] =
+    let [mut sample_most, mut close_most, mut conclude_most, mut step_most, mut adopt_most, mut discard_most] =
         [0; CALLS.len()];
     let limits: [f32; CHANNELS] =
         core::array::from_fn(|k| model.constants().channels.cells().get(k).map_or(0.0, |channel| channel.limit));
     let mut damage = Damage::new(recipe);
     let mut choices = Dice(recipe.seed() ^ 0x5555_5555);
     let mut detector = if choices.below(4) == 0 { Detector::new(model) } else { warm.clone() };
+    let mut monitor = Monitor::new(model);
     // The report of the last segment, and the number of samples until it is handed over.
     let mut late = None;
     let mut next = good.iter().cycle().skip(choices.below(GOOD) as usize);
@@ -151,23 +152,21 @@ fn stream<P: Plan>(
             sample_most = one.max(sample_most);
         }
         if let Some(segment) = segment {
-            let report = if choices.below(3) > 0 {
-                let mut report = None;
+            if choices.below(3) > 0 {
                 let whole = counter.instructions_once(|| {
-                    report = Some(black_box(model).conclude(black_box(segment)));
+                    black_box(black_box(&mut monitor).conclude(black_box(segment)).alarm);
                 });
                 conclude_most = whole.max(conclude_most);
-                report
             } else {
-                let mut solver = Solver::new(model, segment);
-                let mut done = false;
-                while !done {
-                    let piece = counter.instructions_per_call(1, |_| done = black_box(&mut solver).advance().is_some());
-                    piece_most = piece.max(piece_most);
+                monitor.take(segment);
+                while monitor.is_solving() {
+                    let step = counter.instructions_once(|| {
+                        black_box(black_box(&mut monitor).advance().is_some());
+                    });
+                    step_most = step.max(step_most);
                 }
-                Some(solver.finish())
-            };
-            late = report.map(|report| (report, choices.below(12)));
+            }
+            late = monitor.report().map(|report| (report.clone(), choices.below(12)));
         }
         match &mut late {
             Some((report, 0)) => {
@@ -187,7 +186,7 @@ fn stream<P: Plan>(
             discard_most = discard.max(discard_most);
         }
     }
-    [sample_most, close_most, conclude_most, piece_most, adopt_most, discard_most]
+    [sample_most, close_most, conclude_most, step_most, adopt_most, discard_most]
 }
 
 fn front_end<const FURTHER: usize, const FACTOR: usize>(counter: &mut Counter, sensors: Sensors, name: &str)

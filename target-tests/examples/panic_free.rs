@@ -226,13 +226,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
         }
         telemetry_calls::record(model, &sample, |error| show(error));
         if let Some(segment) = opaque(Detector::collect(&mut detector, &sample)) {
-            let report = Model::conclude(model, opaque(segment.clone()));
-            opaque(Detector::adopt(&mut detector, &report));
-            let mut solver = opaque(Solver::new(model, segment));
-            for _ in 0..opaque(50) {
-                opaque(Solver::advance(&mut solver).is_some());
-            }
-            opaque(Solver::finish(solver));
+            opaque(segment);
         }
     }
     opaque((Detector::pending(&detector), Detector::counts(&detector), Detector::preview(&detector)));
@@ -332,7 +326,7 @@ fn about<P: Plan>(model: &Model<P>) {
         Classifier::decide_at(classifier, plan, &numbers, &numbers),
     );
     if let (Some(mut decision), Some(_)) = opaque(decisions) {
-        opaque(Classifier::finding(classifier, &decision));
+        opaque(Classifier::verdict(classifier, &decision));
         opaque(Discriminant::decide(&classifier.discriminant, &numbers, &mut decision));
     }
 }

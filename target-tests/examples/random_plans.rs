@@ -16,8 +16,9 @@ mod any_plan;
 use core::fmt::{self, Write as _};
 
 use bearing_watch::drive::{By, CleanSample, Factor, FrontEnd, RawSample};
+use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Solver, Verdict};
+use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Verdict};
 
 use any_plan::{AnyPlan, Values};
 use support::damage::{CHANNELS, Damage, Dice, Recipe};
@@ -110,7 +111,7 @@ impl<'m> Rest<'m> {
 
     fn conclude(&mut self, segment: Segment<AnyPlan>) {
         let report = if self.dice.below(2) == 0 {
-            self.model.conclude(segment)
+            conclude(self.model, segment)
         } else {
             let mut solver = Solver::new(self.model, segment);
             while solver.advance().is_none() {}

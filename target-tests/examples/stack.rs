@@ -12,9 +12,9 @@ mod model;
 use core::hint::black_box;
 
 #[cfg(target_os = "none")]
-use bearing_watch::plan::Plan;
 #[cfg(target_os = "none")]
-use bearing_watch::{Detector, Model, Solver, Verdict};
+use bearing_watch::plan::Plan;
+use bearing_watch::{Detector, Model, Monitor, Verdict};
 #[cfg(target_os = "none")]
 use support::paint::stack_of;
 #[cfg(target_os = "none")]
@@ -77,22 +77,30 @@ fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::
         collect = bytes.max(collect);
     }
     let Some(segment) = segment else { return };
-    let mut solver = Solver::new(model, segment.clone());
-    let mut piece = 0;
-    let mut done = false;
-    while !done {
-        piece = stack_of(|| done = black_box(solver.advance()).is_some()).max(piece);
+    let mut monitor = Monitor::new(model);
+    monitor.take(segment.clone());
+    let mut step = 0;
+    while monitor.is_solving() {
+        step = stack_of(|| {
+            black_box(monitor.advance().is_some());
+        })
+        .max(step);
     }
     let mut segment = Some(segment);
     let conclude = stack_of(|| {
         if let Some(segment) = segment.take() {
-            let report = model.conclude(segment);
-            classified += u32::from(matches!(black_box(&report).verdict, Verdict::Class(_)));
+            let now = monitor.conclude(segment);
+            classified += u32::from(matches!(black_box(&now).report.verdict, Verdict::Class(_)));
         }
     });
     assert_eq!(classified, 3, "a segment brought no class");
-    let calls =
-        [("sample", inside), ("segment end", end), ("collect", collect), ("conclude", conclude), ("piece", piece)];
+    let calls = [
+        ("sample", inside),
+        ("segment end", end),
+        ("collect", collect),
+        ("conclude", conclude),
+        ("step of the solve", step),
+    ];
     let n = model.plan().layout().parameters();
     for (call, bytes) in calls {
         say!(r#"{{"name":"{name} {call}","n":{n},"instructions":null,"bytes":{bytes}}}"#);

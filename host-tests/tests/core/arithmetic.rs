@@ -4,6 +4,7 @@
 
 use core::arch::asm;
 
+use bearing_watch::internals::conclude;
 use bearing_watch::{Detector, Kernel, Reason, Verdict, arithmetic_test, known_answer_test};
 
 use crate::standard_rig;
@@ -36,12 +37,12 @@ fn the_first_segment_tells_of_an_interrupt_that_computes_otherwise() {
         let mut detector = Detector::new(&MODEL);
         let mut stream = standard_rig::samples();
         let segment = in_context(bits, || stream.find_map(|sample| detector.collect(&sample))).expect("a segment");
-        let report = MODEL.conclude(segment);
+        let report = conclude(&MODEL, segment);
         assert_eq!(report.verdict, Verdict::Undetermined(Reason::Arithmetic(kernel)));
         assert!(report.decision.is_none());
         // The main loop, too.
         let segment = stream.find_map(|sample| detector.collect(&sample)).expect("a segment");
-        let report = in_context(bits, || MODEL.conclude(segment));
+        let report = in_context(bits, || conclude(&MODEL, segment));
         assert_eq!(report.verdict, Verdict::Undetermined(Reason::Arithmetic(kernel)));
         let report = stream.find_map(|sample| detector.step(&sample)).expect("a segment");
         assert!(matches!(report.verdict, Verdict::Class(_)), "as ever: {report:?}");

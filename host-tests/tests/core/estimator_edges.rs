@@ -152,7 +152,7 @@ fn estimates_of_other_segments_are_refused_and_errors_stay() {
     let detached = stream.estimator.detach();
     let mut pieces = stream.estimator.pieces(detached);
     for _ in 0..2 {
-        let estimate = pieces.advance(&setup.constants, 1).expect("nothing is solved");
+        let estimate = pieces.advance(&setup.constants).expect("nothing is solved");
         assert_eq!(estimate.reason, Some(Reason::Stuck { channel: 0 }));
     }
 }

@@ -1,7 +1,8 @@
 //! Signals that contradict the model or each other: no verdict, no evidence, and the reason names them.
 
+use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Angle, Detector, Implausible, Model, Reason, Report, Solver, Verdict};
+use bearing_watch::{Angle, Detector, Implausible, Model, Reason, Report, Verdict};
 use rig::DefectKind;
 
 use crate::rig::{Motion, lag, model, model_of_angle, motions, run, trace};
@@ -37,7 +38,7 @@ fn three_ways(model: &Model<RunTime>, motions: &[Motion]) -> [Report<RunTime>; 3
                     break report.clone();
                 }
             };
-            found = Some([report, model.conclude(segment), pieces]);
+            found = Some([report, conclude(model, segment), pieces]);
         }
     }
     found.expect("a whole segment")

@@ -1,10 +1,11 @@
 //! Regression and shaft in one detector: alone and together, behind one gate, solved at once or later.
 
+use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::model::{Channel, Constants, Feature, Field, Regression, Sampling};
 use bearing_watch::plan::{
     Cells, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Structure,
 };
-use bearing_watch::{Detector, FrictionTerm, Implausible, Model, ModelError, Part, Reason, Report, Solver, Verdict};
+use bearing_watch::{Detector, FrictionTerm, Implausible, Model, ModelError, Part, Reason, Report, Verdict};
 use host_tests::plans::constants;
 use rig::DefectKind;
 
@@ -226,7 +227,7 @@ fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::
             (solver, count, most) = (None, count + 1, most.max(t % 5000));
         }
         let report = inline.step(&sample);
-        let concluded = whole.collect(&sample).map(|segment| model.conclude(segment));
+        let concluded = whole.collect(&sample).map(|segment| conclude(model, segment));
         concluded.iter().for_each(|report| assert!(whole.adopt(report)));
         assert_eq!(report, concluded);
         if let Some(segment) = pieces.collect(&sample) {
@@ -266,7 +267,7 @@ fn a_report_is_adopted_before_the_handover_only() {
     for late in [0, 299, 300] {
         let mut detector = Detector::new(&model);
         let segment = stream.iter().find_map(|motion| detector.collect(&all(motion))).expect("a segment");
-        let report = model.conclude(segment);
+        let report = conclude(model, segment);
         // A refused sample does not count.
         let _ = detector.collect(&All { current_a: f32::NAN, ..all(&stream[0]) });
         stream[..late].iter().for_each(|motion| assert!(detector.collect(&all(motion)).is_none()));

@@ -7,7 +7,8 @@
 //! record.
 
 use bearing_watch::drive::{FrontEnd, FrontEndConstants, Lock};
-use bearing_watch::{Detector, Evidence, FrictionTerm, Report, Solver, Verdict};
+use bearing_watch::internals::Solver;
+use bearing_watch::{Detector, Evidence, FrictionTerm, Report, Verdict};
 
 use super::drive_faults::actuator::{Drive, FURTHER, MODEL, Sample};
 use super::drive_faults::{FAULTS, Inject, ROWS, Raw, ZERO, constants, counts, raw, scattered, trace};

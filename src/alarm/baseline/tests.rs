@@ -64,7 +64,7 @@ fn noise(seed: u64) -> impl FnMut() -> f32 {
 }
 
 fn healthy(decision: &Decision<RunTime>) -> bool {
-    classifier().finding(decision) == Finding::Class(0)
+    classifier().verdict(decision) == Verdict::Class(0)
 }
 
 #[test]

@@ -17,102 +17,52 @@
 //! or negative, and with v = 0 the stored numbers remain. For `v_i` → ∞ it becomes `D'_i` = ∞, `r'_i` = 0 and w =
 //! `D_i`, which is the density of the other coordinates; a sum (5) leaves out the infinite pivot.
 //!
-//! Cost: a step for each row, and for each row below one with an error; each at most 2 Z multiply-adds and a logarithm.
-//! Without errors Z logarithms and Z (Z − 1)/2 multiply-adds a density.
+//! Cost: Z logarithms and Z (Z − 1)/2 multiply-adds a density without errors; each error adds at most Z² of them.
 
 use super::rising::Scores;
 use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 use crate::regression::factor::kernels::rotate_pivot_small;
 use crate::regression::factor::pairs;
+use crate::unroll::rolled;
 
 const LN_2PI: f32 = 1.837_877_1;
 
-/// The factor (2), computed in steps.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+/// The factor (2).
+#[derive(Clone, Debug)]
 pub(crate) struct Density<P: Plan> {
     factor: Array<P::Density, f32>,
-    /// Σ ln D' of the rows so far.
+    /// Σ ln D' of the available rows.
     log_determinant: f32,
-    /// Number of available coordinates among them.
+    /// Number of available coordinates.
     available: usize,
-    /// Number of rows so far, and the place of the next.
-    rows: usize,
-    place: usize,
-    taking: Taking<P>,
-}
-
-/// The rotations (3) of the rows below one row, under way.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Taking<P: Plan> {
-    /// x; its last `left` elements are not yet taken.
-    x: Array<P::Coordinates, f32>,
-    left: usize,
-    /// w.
-    weight: f32,
-    /// Place of the next row.
-    place: usize,
 }
 
 impl<P: Plan> Density<P> {
-    /// Nothing computed yet.
-    pub(crate) fn new(plan: P) -> Self {
-        let layout = plan.layout();
-        Self::starting(Cells::filled(layout.density(), 1.0), layout.coordinates as usize)
-    }
-
-    fn starting(factor: Array<P::Density, f32>, coordinates: usize) -> Self {
-        let taking = Taking { x: Cells::filled(coordinates, 0.0), left: 0, weight: 0.0, place: 0 };
-        Self { factor, log_determinant: 0.0, available: 0, rows: 0, place: 0, taking }
-    }
-
-    /// (2) at once; coordinates without a variance have no error.
+    /// Of a factor (1) and the variances of so many coordinates; those without a variance have no error.
+    #[inline(never)]
     pub(crate) fn of(factor: &[f32], variances: &[f32], coordinates: usize) -> Self {
         let length = crate::regression::factor::lower(coordinates, 0);
-        let own = |k: usize| factor.get(k).copied().unwrap_or(1.0);
-        let mut density = Self::starting(Cells::from_fn(length, own), coordinates);
-        while density.step(variances) {}
-        density
-    }
-
-    /// Starts with the factor of another covariance.
-    #[inline(never)]
-    pub(crate) fn load(&mut self, factor: &[f32]) {
-        pairs(self.factor.cells_mut(), factor).for_each(|(cell, x)| *cell = *x);
-        (self.log_determinant, self.available, self.rows, self.place) = (0.0, 0, 0, 0);
-        self.taking.left = 0;
-    }
-
-    /// Widens the next row of (2), or rotates a row below it; returns `false` if there is none.
-    #[inline(never)]
-    pub(crate) fn step(&mut self, variances: &[f32]) -> bool {
-        let Taking { x, left, weight, place } = &mut self.taking;
-        let coordinates = x.cells().len();
-        if let Some([first, later @ ..]) = x.cells_mut().get_mut(coordinates.saturating_sub(*left)..) {
-            if let Some([pivot, row @ ..]) = self.factor.cells_mut().get_mut(*place..) {
-                rotate_pivot_small(pivot, row, *first, later, weight);
+        let mut density = Self { factor: Cells::filled(length, 1.0), log_determinant: 0.0, available: 0 };
+        pairs(rolled(density.factor.cells_mut()), factor).for_each(|(cell, x)| *cell = *x);
+        let mut x: Array<P::Coordinates, f32> = Cells::filled(coordinates, 0.0);
+        let mut rows = density.factor.cells_mut();
+        for k in 0..rolled(coordinates) {
+            let below = x.cells_mut().get_mut(k.wrapping_add(1)..).unwrap_or_default();
+            let Some((row, later)) = rows.split_at_mut_checked(below.len().wrapping_add(1)) else { break };
+            let [pivot, row @ ..] = row else { break };
+            let variance = variances.get(k).copied().unwrap_or(0.0);
+            if variance > 0.0 {
+                let weight = widen(pivot, row, variance, below);
+                take(later, below, weight);
             }
-            *place = place.saturating_add(*left);
-            *left = left.saturating_sub(1);
-            return true;
+            if *pivot < f32::INFINITY {
+                density.log_determinant += ln(*pivot);
+                density.available = density.available.saturating_add(1);
+            }
+            rows = later;
         }
-        let size = coordinates.saturating_sub(self.rows);
-        let Some([pivot, row @ ..]) = self.factor.cells_mut().get_mut(self.place..) else { return false };
-        let variance = variances.get(self.rows).copied().unwrap_or(0.0);
-        self.rows = self.rows.saturating_add(1);
-        self.place = self.place.saturating_add(size);
-        if variance > 0.0 {
-            let below = x.cells_mut().get_mut(self.rows..).unwrap_or_default();
-            (*left, *place) = (below.len(), self.place);
-            *weight = widen(pivot, row, variance, below);
-        }
-        if *pivot < f32::INFINITY {
-            self.log_determinant += ln(*pivot);
-            self.available = self.available.saturating_add(1);
-        }
-        true
+        density
     }
 
     /// Number of available coordinates.
@@ -168,6 +118,16 @@ fn widen(pivot: &mut f32, row: &mut [f32], variance: f32, x: &mut [f32]) -> f32 
     let weight = *pivot * share;
     *pivot = wide;
     weight
+}
+
+/// Rotates x of weight w into the rows of a factor.
+fn take(mut rows: &mut [f32], mut x: &mut [f32], mut weight: f32) {
+    while let [first, later @ ..] = x {
+        let Some((row, below)) = rows.split_at_mut_checked(later.len().wrapping_add(1)) else { break };
+        let [pivot, row @ ..] = row else { break };
+        rotate_pivot_small(pivot, row, *first, later, &mut weight);
+        (rows, x) = (below, later);
+    }
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@
 
 use super::density::Density;
 use super::law::{KNOTS, Law, equivalent, surprise};
-use super::rising::{self, Scores};
+use super::rising;
 use crate::plan::{Array, Cells, Plan};
 
 /// The distribution of the healthy class.
@@ -91,22 +91,21 @@ impl<P: Plan> Novelty<P> {
         if self.class.is_none() {
             return Departure::default();
         }
-        let density = Density::of(self.factor.cells(), variances, z.len());
+        let density = Density::<P>::of(self.factor.cells(), variances, z.len());
         let laws = self.laws.cells();
-        let mut judged: Array<P::Laws, f32> = Cells::filled(laws.len(), rising::MISSING);
-        let scores = self.score(&density, z, judged.cells_mut());
-        let found = self.departure(scores.squared, scores.available, z.len());
         if laws.is_empty() {
-            return found;
+            let squared = density.squared_distance(self.mean.cells(), z);
+            return self.departure(squared, density.available(), z.len());
         }
-        for k in 0..rising::steps(laws.len()) {
-            rising::judge(laws, judged.cells_mut(), k, [scores.others, z.len()]);
-        }
-        Departure { surprise: judged.cells().first().copied().unwrap_or(0.0), ..found }
+        let mut judged: Array<P::Laws, f32> = Cells::filled(laws.len(), rising::MISSING);
+        let scores = density.scores(self.mean.cells(), z, self.freedom, judged.cells_mut());
+        let found = self.departure(scores.squared, scores.available, z.len());
+        Departure { surprise: rising::rarest(laws, judged.cells_mut(), [scores.others, z.len()]), ..found }
     }
 
     /// Whether a segment at this squared distance (1) from a class, over the available ones of all coordinates, is
     /// beyond the gate of the class (5); never for the healthy class, whose gate is (3), and without one.
+    #[inline(never)]
     #[must_use]
     pub fn excludes(&self, class: u8, squared: f32, [available, all]: [usize; 2]) -> bool {
         let nearer = squared / (WIDER * WIDER);
@@ -117,11 +116,6 @@ impl<P: Plan> Novelty<P> {
         }
     }
 
-    /// (1), and the values that are judged one by one, by the factor of S + diag(v).
-    pub(crate) fn score(&self, density: &Density<P>, z: &[f32], judged: &mut [f32]) -> Scores {
-        density.scores(self.mean.cells(), z, self.freedom, judged)
-    }
-
     /// (2) of d² by straight lines between the knots, outside them along the nearest line, within 0 and 40 nats. NaN
     /// gives NaN.
     #[must_use]
@@ -130,7 +124,7 @@ impl<P: Plan> Novelty<P> {
     }
 
     /// Distance and surprise of (1) over the available ones of all coordinates.
-    pub(crate) fn departure(&self, squared: f32, available: usize, all: usize) -> Departure {
+    fn departure(&self, squared: f32, available: usize, all: usize) -> Departure {
         let squared = equivalent(squared, available, all);
         let surprise = self.surprise(squared);
         Departure { distance: libm::sqrtf(squared), distance_surprise: surprise, surprise }

@@ -63,11 +63,6 @@ impl Scores {
     }
 }
 
-/// Steps of [`judge`] for so many values.
-pub(crate) const fn steps(values: usize) -> usize {
-    values.saturating_add(2)
-}
-
 /// The surprise that the rarest of M values needs for s of (3) to be `limit`, with K rising coordinates and perhaps
 /// others.
 pub(crate) fn limit_of_one(limit: f32, rising: usize, others: bool) -> f32 {
@@ -76,37 +71,30 @@ pub(crate) fn limit_of_one(limit: f32, rising: usize, others: bool) -> f32 {
     -ln(-libm::expm1f(all / count))
 }
 
-/// Does step k of so many values, of which the first is d² of the others, so many of which are available, with so many
-/// coordinates in all; after the last step the first value is s of (3).
+/// s of (3), of d² of the others and then u of each rising coordinate, which are overwritten: so many of the others are
+/// available, of so many coordinates in all.
 #[inline(never)]
-pub(crate) fn judge(laws: &[Law], judged: &mut [f32], k: usize, [others, coordinates]: [usize; 2]) {
-    match k.checked_sub(laws.len()) {
-        None => judge_one(laws, judged, k, [others, coordinates.saturating_sub(laws.len().saturating_sub(1))]),
-        Some(0) => smallest(judged),
-        Some(_) => together(judged),
+pub(crate) fn rarest(laws: &[Law], judged: &mut [f32], [others, coordinates]: [usize; 2]) -> f32 {
+    let all_others = coordinates.saturating_sub(laws.len().saturating_sub(1));
+    for (k, (law, value)) in laws.iter().zip(&mut *judged).enumerate() {
+        if *value != MISSING {
+            *value = if k == 0 { surprise(law, equivalent(*value, others, all_others)) } else { far(law, *value) };
+        }
     }
+    let (p, count) = smallest(judged);
+    together(p, count)
 }
 
-/// Replaces d² of the others by −ln p, and u by −ln P(U ≥ |u|), negative for a negative u.
-#[inline(never)]
-fn judge_one(laws: &[Law], judged: &mut [f32], k: usize, [available, all]: [usize; 2]) {
-    let (Some(law), Some(value)) = (laws.get(k), judged.get_mut(k)) else { return };
-    if *value == MISSING {
-        return;
-    }
-    let own = *value;
-    *value = if k == 0 {
-        surprise(law, equivalent(own, available, all))
-    } else {
-        let far = surprise(law, own * own) + LN_2;
-        if own < 0.0 { -far } else { far }
-    };
+/// −ln P(U ≥ |u|), negative for a negative u.
+fn far(law: &Law, u: f32) -> f32 {
+    let far = surprise(law, u * u) + LN_2;
+    if u < 0.0 { -far } else { far }
 }
 
-/// Replaces the first two values by min p and M.
+/// min p and M.
 #[inline(never)]
-fn smallest(judged: &mut [f32]) {
-    let [of_others, rising @ ..] = judged else { return };
+fn smallest(judged: &[f32]) -> (f32, f32) {
+    let [of_others, rising @ ..] = judged else { return (1.0, 0.0) };
     // Of values below the mean, the one nearest to it has the smallest P(U ≥ u).
     let (mut rarest, mut count) = (MISSING, 0.0);
     for s in rising.iter().filter(|s| **s != MISSING) {
@@ -116,30 +104,23 @@ fn smallest(judged: &mut [f32]) {
     let near = libm::expf(-rarest.abs());
     let p = if rarest < 0.0 { 1.0 - near } else { near };
     if *of_others == MISSING {
-        *of_others = p;
-    } else {
-        count += 1.0;
-        let own = libm::expf(-*of_others);
-        *of_others = if own > p || p.is_nan() { p } else { own };
+        return (p, count);
     }
-    if let Some(first) = rising.first_mut() {
-        *first = count;
-    }
+    let of_others = libm::expf(-*of_others);
+    (if of_others > p || p.is_nan() { p } else { of_others }, count + 1.0)
 }
 
-/// Replaces the first value by (3).
+/// (3).
 #[inline(never)]
-fn together(judged: &mut [f32]) {
-    let [p, count, ..] = judged else { return };
-    let (own, count) = (*p, *count);
-    *p = if count * own < RARE {
-        if count > 0.0 { -ln(own * count) } else { 0.0 }
-    } else if own >= 1.0 {
+fn together(p: f32, count: f32) -> f32 {
+    if count * p < RARE {
+        if count > 0.0 { -ln(p * count) } else { 0.0 }
+    } else if p >= 1.0 {
         // A NaN is not.
         0.0
     } else {
-        -ln(1.0 - libm::expf(count * ln(1.0 - own)))
-    };
+        -ln(1.0 - libm::expf(count * ln(1.0 - p)))
+    }
 }
 
 /// Below this probability p, the difference of 1 − (1 − p)^M and M p is negligible.
@@ -165,8 +146,7 @@ mod tests {
         for (k, [y, pivot]) in values.iter().enumerate() {
             scores.add(*y, *pivot, values.len() - 1 - k, 10.0, &mut judged);
         }
-        (0..steps(laws.len())).for_each(|k| judge(&laws, &mut judged, k, [scores.others, values.len()]));
-        judged[0]
+        rarest(&laws, &mut judged, [scores.others, values.len()])
     }
 
     fn near(found: f32, expected: f64) {

@@ -95,7 +95,7 @@ impl<'m, P: Plan> Alone<'m, P> {
         let mut estimate = self.unsolved(&detached);
         let mut solve = RegressionSolve::new(self.plan);
         let stuck = matches!(estimate.reason, Some(Reason::Stuck { .. }));
-        while !stuck && !solve.advance(self.plan, self.constants, &mut detached.sums, &mut estimate, usize::MAX) {}
+        while !stuck && !solve.advance(self.plan, self.constants, &mut detached.sums, &mut estimate) {}
         estimate
     }
 
@@ -109,7 +109,7 @@ impl<'m, P: Plan> Alone<'m, P> {
         estimate
     }
 
-    /// The solve of a closed segment in pieces.
+    /// The solve of a closed segment in steps.
     #[must_use]
     pub fn pieces(&self, detached: Detached<P>) -> Pieces<P> {
         let estimate = self.unsolved(&detached);
@@ -139,10 +139,10 @@ pub struct Pieces<P: Plan> {
 }
 
 impl<P: Plan> Pieces<P> {
-    /// Does about `budget` multiply-adds; the estimate once it is complete.
-    pub fn advance(&mut self, constants: &Regression<P>, budget: usize) -> Option<&Estimate<P>> {
+    /// Does the next step; the estimate once it is complete.
+    pub fn advance(&mut self, constants: &Regression<P>) -> Option<&Estimate<P>> {
         if !self.done {
-            self.done = self.solve.advance(self.plan, constants, &mut self.sums, &mut self.estimate, budget);
+            self.done = self.solve.advance(self.plan, constants, &mut self.sums, &mut self.estimate);
         }
         self.done.then_some(&self.estimate)
     }

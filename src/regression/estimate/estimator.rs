@@ -58,12 +58,18 @@ pub struct RegressionSums<P: Plan> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RegressionSolve<P: Plan> {
-    /// Row and pivot of the lower level that are merged next.
-    merged: (usize, usize),
-    solution: Solution,
-    /// Whether nothing is left but the constant and the checks of the result.
-    solved: bool,
+    next: Step,
     work: Array<P::Parameters, f32>,
+}
+
+/// What the next step of a solve does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Step {
+    /// Merge this row of the lower of two levels, or with none left solve for the parameters.
+    Merge(usize),
+    /// Add a column to the covariance; with the last one the estimate is complete.
+    Covariance(Solution),
 }
 
 impl<P: Plan> Estimator<P> {
@@ -183,41 +189,27 @@ impl<P: Plan> RegressionSolve<P> {
     /// Nothing solved yet.
     #[must_use]
     pub fn new(plan: P) -> Self {
-        let work = Cells::filled(plan.layout().parameters(), 0.0);
-        Self { merged: (0, 0), solution: Solution::new(), solved: false, work }
+        Self { next: Step::Merge(0), work: Cells::filled(plan.layout().parameters(), 0.0) }
     }
 
-    /// Does about `budget` instructions of the solve; `true` once the estimate is complete, or has its reason.
+    /// Does the next step of the solve; `true` once the estimate is complete, or has its reason.
     pub fn advance(
         &mut self,
         plan: P,
         constants: &Regression<P>,
         sums: &mut RegressionSums<P>,
         estimate: &mut Estimate<P>,
-        budget: usize,
     ) -> bool {
         let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return true };
-        if !sums.sums.merge(&mut self.merged, budget) {
+        if let Step::Merge(row) = self.next
+            && sums.sums.merge_row(row)
+        {
+            self.next = Step::Merge(row.wrapping_add(1));
             return false;
         }
-        let outcome = if sums.at_rest {
-            Err(Reason::AtRest)
-        } else if self.solved {
-            finish(plan, sums, estimate);
-            Ok(true)
-        } else {
-            self.solve(plan, constants, sums, estimate, budget).map_err(|error| match error {
-                SolveError::TooFewRows => Reason::TooFewRows { part: Part::Regression, rows: sums.count },
-                SolveError::NotExcited(place) => Reason::ParameterNotExcited(u8::try_from(place).unwrap_or(u8::MAX)),
-                SolveError::WeakInstruments => Reason::WeakInstruments(Part::Regression),
-            })
-        };
-        match outcome {
-            Ok(solved) if !self.solved => {
-                self.solved = solved;
-                return false;
-            }
-            Ok(_) => {}
+        match self.solve(plan, constants, sums, estimate) {
+            Ok(false) => return false,
+            Ok(true) => finish(plan, sums, estimate),
             Err(reason) => estimate.reason = Some(reason),
         }
         let mass = sums.sums.mass(memory, constants.forgetting.lambda, sums.count);
@@ -236,6 +228,7 @@ impl<P: Plan> RegressionSolve<P> {
         true
     }
 
+    /// Solves for the parameters, or adds a column to the covariance; whether it was the last.
     #[inline(always)]
     fn solve(
         &mut self,
@@ -243,9 +236,11 @@ impl<P: Plan> RegressionSolve<P> {
         constants: &Regression<P>,
         sums: &mut RegressionSums<P>,
         estimate: &mut Estimate<P>,
-        budget: usize,
-    ) -> Result<bool, SolveError> {
+    ) -> Result<bool, Reason> {
         let Some(layout) = plan.layout().regression else { return Ok(true) };
+        if sums.at_rest {
+            return Err(Reason::AtRest);
+        }
         let mass = sums.sums.mass(layout.memory, constants.forgetting.lambda, sums.count);
         let unknown = sums.sums.unknown(layout.memory, constants.forgetting.floor);
         let (d, r) = sums.sums.triangle_mut().parts_mut();
@@ -260,9 +255,6 @@ impl<P: Plan> RegressionSolve<P> {
             mass,
             gain: sums.frame.gain,
         };
-        if let Some(column) = unknown {
-            return Err(SolveError::NotExcited(problem.place(column)));
-        }
         let solved = &mut Solved {
             delta: estimate.delta.cells_mut(),
             covariance: estimate.covariance.cells_mut(),
@@ -270,11 +262,22 @@ impl<P: Plan> RegressionSolve<P> {
             work: self.work.cells_mut(),
         };
         // Known at compile time. With a shaft, whose balance needs instruments, one copy of the code serves both.
-        if outputs == 0 && plan.layout().shaft.is_none() {
-            self.solution.advance::<false>(problem, solved, budget)
-        } else {
-            self.solution.advance::<true>(problem, solved, budget)
+        let plain = outputs == 0 && plan.layout().shaft.is_none();
+        if let Step::Covariance(solution) = &mut self.next {
+            let add = if plain { Solution::add_column::<false> } else { Solution::add_column::<true> };
+            return Ok(add(solution, problem, solved));
         }
+        let solution = match unknown {
+            Some(column) => Err(SolveError::NotExcited(problem.place(column))),
+            None if plain => Solution::new::<false>(problem, solved),
+            None => Solution::new::<true>(problem, solved),
+        };
+        self.next = Step::Covariance(solution.map_err(|error| match error {
+            SolveError::TooFewRows => Reason::TooFewRows { part: Part::Regression, rows: sums.count },
+            SolveError::NotExcited(place) => Reason::ParameterNotExcited(u8::try_from(place).unwrap_or(u8::MAX)),
+            SolveError::WeakInstruments => Reason::WeakInstruments(Part::Regression),
+        })?);
+        Ok(false)
     }
 }
 

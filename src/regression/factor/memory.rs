@@ -36,10 +36,6 @@ const FULL: f32 = 0.9;
 /// Rows summed on the lower of two levels before they are moved up.
 const BLOCK: u16 = 512;
 
-/// Cost of a pivot without its elements, and of an element, instructions.
-const PIVOT: usize = 50;
-const ROTATION: usize = 12;
-
 /// The factor of a plan's rows.
 pub type PlanTriangle<P> = Triangle<Array<<P as Plan>::Columns, f32>, Array<<P as Plan>::Packed, f32>>;
 
@@ -164,31 +160,17 @@ impl<P: Plan> Sums<P> {
         moving
     }
 
-    /// Moves the next rows of the lower level into the factor, from pivot `p` of row `i` on, for about `budget`
-    /// instructions; `true` if the factor is complete and none is left.
+    /// Moves row `i` of the lower level into the factor; `false` if there is none. The factor is complete once all rows
+    /// are moved.
     #[inline(always)]
-    pub fn merge(&mut self, place: &mut (usize, usize), budget: usize) -> bool {
+    pub fn merge_row(&mut self, i: usize) -> bool {
         // Known at compile time: one level carries no code for two.
-        self.block.part().is_none() || self.merge_rows(place, budget)
-    }
-
-    #[inline(never)]
-    fn merge_rows(&mut self, (i, p): &mut (usize, usize), budget: usize) -> bool {
-        let Some(block) = self.block.part_mut() else { return true };
-        let (columns, mut spent) = (self.sum.columns(), 0_usize);
-        if *i >= columns {
-            return true;
+        let Some(block) = self.block.part_mut() else { return false };
+        let some = i < self.sum.columns();
+        if some {
+            self.sum.take_row(block, i);
         }
-        while *i < columns && spent < budget {
-            self.sum.take_pivot(block, *i, *p);
-            spent = spent.saturating_add(PIVOT.wrapping_add(columns.saturating_sub(*p).wrapping_mul(ROTATION)));
-            *p = p.wrapping_add(1);
-            if *p >= columns {
-                *i = i.wrapping_add(1);
-                *p = *i;
-            }
-        }
-        false
+        some
     }
 
     /// The factor; complete once the lower level is merged.
@@ -294,8 +276,8 @@ mod tests {
                 assert!(add(&mut one, Memory::Segment, row) && add(&mut two, Memory::LongSegment, row));
             }
             added = count;
-            let (mut merged, mut place) = (two.clone(), (0, 0));
-            while !merged.merge(&mut place, 200) {}
+            let mut merged = two.clone();
+            assert!((0..4).map(|i| merged.merge_row(i)).eq([true, true, true, false]), "{count}");
             let ((d, r), (d2, r2)) = (one.triangle().parts(), merged.triangle().parts());
             for (x, y) in d.iter().zip(d2).chain(r.iter().zip(r2)) {
                 // Roundings of five thousand rows.

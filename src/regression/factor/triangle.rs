@@ -90,7 +90,7 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
 
     /// The part of [`Triangle::take_row`] that a pivot of this factor does; the pivots i … m−1 in turn move the row.
     #[inline(always)]
-    pub fn take_pivot(&mut self, other: &mut Self, i: usize, pivot: usize) {
+    fn take_pivot(&mut self, other: &mut Self, i: usize, pivot: usize) {
         let ((start, length), (own, below)) = (self.place(i), self.place(pivot));
         let row = other.r.cells_mut().get_mut(start..start.wrapping_add(length)).unwrap_or_default();
         let Some(weight) = other.d.cells_mut().get_mut(i) else { return };

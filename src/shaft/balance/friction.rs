@@ -48,6 +48,14 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// The sum of all scores: a number if each is one.
+    pub(crate) fn scores(&self) -> f32 {
+        let optional = self.inverse_torque_constant.map_or(0.0, |term| term.score)
+            + self.load_friction.map_or(0.0, |term| term.score);
+        let always = [&self.inertia, &self.viscous, &self.coulomb, &self.offset, &self.stribeck, &self.drag];
+        always.iter().fold(optional, |sum, term| sum + term.score)
+    }
+
     /// A parameter by its name; `None` for torque constant and load friction if the load is not measured.
     #[must_use]
     pub const fn parameter(&self, term: FrictionTerm) -> Option<Parameter> {

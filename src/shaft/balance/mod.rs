@@ -13,5 +13,5 @@ pub use rows::{Balance, TERMS, Torques};
 pub use state_variable::StateVariable;
 pub(super) use {
     rows::{BalanceState, BalanceSums, Frictions},
-    solve::BalanceSolve,
+    solve::Estimated,
 };

@@ -36,13 +36,12 @@
 //!
 //! `cargo xtask measure` prints instructions and state of a detector with it.
 
-use core::hint::black_box;
-
 use super::friction::{Friction, Parameter};
 use super::state_variable::{Cell, StateVariable};
 use crate::reason::FrictionTerm;
 use crate::regression::factor::NEVER;
 use crate::regression::factor::kernels::{packed, pairs, rotate_pivot, rotate_pivot_small};
+use crate::unroll::rolled;
 
 /// Number of parameters of (1).
 pub const TERMS: usize = 7;
@@ -171,8 +170,7 @@ impl BalanceSums {
     pub(in crate::shaft) fn new(balance: &Balance, load: bool) -> Self {
         let zero =
             Self { d: [0.0; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 };
-        // Hidden from the compiler, which would unroll the loop to much larger code.
-        let (terms, target) = (black_box(Balance::terms(load)), balance.scale_of(TERMS));
+        let (terms, target) = (rolled(Balance::terms(load)), balance.scale_of(TERMS));
         let mut sums = zero;
         let mut k = 0_usize;
         for &term in terms {
@@ -219,15 +217,10 @@ impl BalanceSums {
         true
     }
 
-    /// Rotates in the next pivots for about `budget` instructions; returns whether one was left.
+    /// Rotates in the next pivot by small code; returns whether one was left.
     #[inline(never)]
-    pub(in crate::shaft) fn rotate_some(&mut self, load: bool, budget: usize) -> bool {
-        let before = self.pivot;
-        let mut spent = 0_usize;
-        while spent < budget && self.rotate_by(load, rotate_pivot_small) {
-            spent = spent.saturating_add(PIVOT);
-        }
-        self.pivot > before
+    pub(in crate::shaft) fn rotate_small(&mut self, load: bool) -> bool {
+        self.rotate_by(load, rotate_pivot_small)
     }
 
     /// Sum of squares of the target that the terms and the prior explain, relative to that of the residual.
@@ -240,8 +233,7 @@ impl BalanceSums {
             let (d, r) = (self.d.get(k).copied(), self.r.get(place.wrapping_sub(1)).copied());
             let r = r.unwrap_or(0.0);
             sum += d.unwrap_or(0.0) * r * r;
-            // Hidden from the compiler, which would unroll the loop to larger code.
-            k = black_box(k.wrapping_add(1));
+            k = rolled(k.wrapping_add(1));
             place = place.wrapping_add(last).wrapping_sub(k);
         }
         sum / self.d.get(last).copied().unwrap_or(0.0)
@@ -255,9 +247,6 @@ impl BalanceSums {
         pairs(row, later).fold(target, |rest, (r, p)| rest - r * p)
     }
 }
-
-/// Instructions of the longest pivot, about.
-const PIVOT: usize = 160;
 
 #[inline(always)]
 pub(in crate::shaft) const fn columns(load: bool) -> usize {
@@ -383,7 +372,7 @@ impl BalanceState {
         self.left = k;
         if k == 0 {
             let target = balance.scale_of(TERMS);
-            for (&term, scaled) in pairs(black_box(terms), &self.scaled) {
+            for (&term, scaled) in pairs(rolled(terms), &self.scaled) {
                 if let Some(cell) = self.present.get_mut(term) {
                     *cell = scaled * balance.scale_of(term) / target;
                 }

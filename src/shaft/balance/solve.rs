@@ -1,4 +1,4 @@
-//! The sums of a torque balance → [`Friction`], in steps of bounded cost.
+//! The sums of a torque balance → [`Friction`].
 //!
 //! What is left of the last row is rotated in, then the parameters are solved. The equations are those of
 //! [`super::balance`].
@@ -9,183 +9,139 @@ use crate::reason::{FrictionTerm, Part, Reason};
 use crate::regression::factor::kernels::pairs;
 use crate::regression::factor::{Mass, Problem, Solution, SolveError, Solved, lower};
 
-/// What the next step of a solve does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-enum Stage {
-    /// Rotate in what is left of the last row.
-    Last,
-    /// Solve.
-    Solve,
-    /// Parameters with deviations and scores.
-    Results,
-}
-
-/// Results before the drag.
-const RESULTS: usize = 3;
 const COVARIANCE: usize = TERMS * (TERMS + 1) / 2;
 
-/// A solve of the torque balance under way.
-#[derive(Clone, Debug, PartialEq)]
+/// The parameters that are estimated, in the order of [`Balance::terms`], and the solve under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct BalanceSolve {
-    stage: Stage,
-    solution: Solution,
+pub struct Estimated {
     delta: [f32; TERMS],
     covariance: [f32; COVARIANCE],
     work: [f32; TERMS],
+    /// Of the rows' residual.
     variance: f32,
-    /// Value, nominal value and variance of the drag, term by term.
-    drag: [f32; 3],
-    /// Sum of the scores of all results.
-    scores: f32,
-    /// Number of calls of [`BalanceSolve::results`].
-    results: u8,
+    solution: Solution,
 }
 
-impl BalanceSolve {
-    pub(in crate::shaft) const fn new() -> Self {
-        Self {
-            stage: Stage::Last,
-            solution: Solution::new(),
-            delta: [0.0; TERMS],
-            covariance: [0.0; COVARIANCE],
-            work: [0.0; TERMS],
-            variance: 0.0,
-            drag: [0.0; 3],
-            scores: 0.0,
-            results: 0,
-        }
-    }
+impl Estimated {
+    /// Nothing solved yet.
+    pub(in crate::shaft) const NONE: Self = Self {
+        delta: [0.0; TERMS],
+        covariance: [0.0; COVARIANCE],
+        work: [0.0; TERMS],
+        variance: 0.0,
+        solution: Solution::NONE,
+    };
 
-    /// Does about `budget` instructions; the result once `friction` is complete.
+    /// Solves the sums for the parameters.
+    ///
+    /// # Errors
+    /// Why there is no result.
     #[inline(never)]
-    pub(in crate::shaft) fn advance(
+    pub(in crate::shaft) fn solve(
         &mut self,
         balance: &Balance,
         load: bool,
         sums: &mut BalanceSums,
-        friction: &mut Friction,
-        budget: usize,
-    ) -> Option<Result<(), Reason>> {
-        match self.stage {
-            Stage::Last => {
-                if !sums.rotate_some(load, budget) {
-                    self.stage = Stage::Solve;
-                }
-                None
-            }
-            Stage::Solve => match self.solve(balance, load, sums, budget) {
-                Ok(false) => None,
-                Ok(true) => {
-                    friction.rows = sums.rows;
-                    self.stage = Stage::Results;
-                    None
-                }
-                Err(error) => Some(Err(reason(error, load, sums.rows))),
-            },
-            Stage::Results => {
-                if !self.results(balance, load, friction) {
-                    return None;
-                }
-                if self.scores.is_finite() {
-                    return Some(Ok(()));
-                }
-                *friction = Friction::default();
-                Some(Err(Reason::NotFinite(Part::TorqueBalance)))
-            }
-        }
+    ) -> Result<(), Reason> {
+        while sums.rotate_small(load) {}
+        let count = columns(load).wrapping_sub(1);
+        // Rows alike do not determine a variance.
+        let few = (sums.rows as f32) < 2.0 * balance.row_spread * count as f32;
+        let rows = sums.rows;
+        let solution =
+            if few { Err(SolveError::TooFewRows) } else { self.with(balance, load, sums, Solution::new::<false>) };
+        self.solution = solution.map_err(|error| reason(error, load, rows))?;
+        Ok(())
     }
 
-    fn solve(
+    /// Computes the covariance.
+    #[inline(never)]
+    pub(in crate::shaft) fn correlate(&mut self, balance: &Balance, load: bool, sums: &mut BalanceSums) {
+        let mut solution = self.solution;
+        self.with(balance, load, sums, |problem, solved| while !solution.add_column::<false>(problem, solved) {});
+    }
+
+    /// A step of the solve.
+    #[inline(always)]
+    fn with<R>(
         &mut self,
         balance: &Balance,
         load: bool,
         sums: &mut BalanceSums,
-        budget: usize,
-    ) -> Result<bool, SolveError> {
+        step: impl FnOnce(&mut Problem<'_>, &mut Solved<'_>) -> R,
+    ) -> R {
         let [k0, k1, k2, _, k4, _, k6, k7] = balance.scale;
         let without = [k0, k1, k2, k4, k6, k7];
-        let scale: &[f32] = if load { &balance.scale } else { &without };
-        let estimated = columns(load).wrapping_sub(1);
-        // Rows alike do not determine a variance.
-        if (sums.rows as f32) < 2.0 * balance.row_spread * estimated as f32 {
-            return Err(SolveError::TooFewRows);
-        }
+        let count = columns(load).wrapping_sub(1);
         let problem = &mut Problem {
             d: sums.d.get_mut(..columns(load)).unwrap_or_default(),
             r: &mut sums.r,
-            inputs: estimated,
+            inputs: count,
             outputs: 0,
-            scale,
+            scale: if load { &balance.scale } else { &without },
             base: &[],
             mass: Mass { rows: sums.rows as f32, spread: balance.row_spread },
             gain: 1.0,
         };
         let solved = &mut Solved {
-            delta: self.delta.get_mut(..estimated).unwrap_or_default(),
+            delta: self.delta.get_mut(..count).unwrap_or_default(),
             covariance: &mut self.covariance,
             variance: &mut self.variance,
-            work: self.work.get_mut(..estimated).unwrap_or_default(),
+            work: self.work.get_mut(..count).unwrap_or_default(),
         };
-        self.solution.advance::<false>(problem, solved, budget)
+        step(problem, solved)
     }
 
-    /// The next two parameters of the result; whether all are there.
+    /// Deviations and scores.
+    ///
+    /// # Errors
+    /// [`Reason::NotFinite`].
     #[inline(never)]
-    fn results(&mut self, balance: &Balance, load: bool, friction: &mut Friction) -> bool {
-        let at = |own: &mut Self, k: usize| own.parameter(balance, load, k);
-        match self.results {
-            0 => (friction.inertia, friction.viscous) = (at(self, 0), at(self, 1)),
-            1 => {
-                friction.coulomb = at(self, 2);
-                friction.inverse_torque_constant = load.then(|| at(self, 3));
-            }
-            2 => {
-                friction.load_friction = load.then(|| at(self, 5));
-                friction.stribeck = at(self, if load { 6 } else { 4 });
-            }
-            k if (k as usize) < RESULTS + TERMS => self.add_to_drag(balance, load, (k as usize).wrapping_sub(RESULTS)),
-            _ => {
-                let [value, nominal, variance] = self.drag;
-                friction.drag = parameter(value, variance, nominal);
-                self.scores += friction.drag.score;
-                friction.offset = at(self, if load { 4 } else { 3 });
-                friction.variance = self.variance;
-                return true;
-            }
-        }
-        self.results = self.results.wrapping_add(1);
-        false
+    pub(in crate::shaft) fn friction(&self, balance: &Balance, load: bool, rows: u32) -> Result<Friction, Reason> {
+        let at = |k: usize| self.parameter(balance, load, k);
+        let friction = Friction {
+            inertia: at(0),
+            viscous: at(1),
+            coulomb: at(2),
+            inverse_torque_constant: load.then(|| at(3)),
+            offset: at(if load { 4 } else { 3 }),
+            load_friction: load.then(|| at(5)),
+            stribeck: at(if load { 6 } else { 4 }),
+            drag: self.drag(balance, load),
+            variance: self.variance,
+            rows,
+        };
+        if friction.scores().is_finite() { Ok(friction) } else { Err(Reason::NotFinite(Part::TorqueBalance)) }
     }
 
     /// The k-th parameter that is estimated.
     #[inline(never)]
-    fn parameter(&mut self, balance: &Balance, load: bool, k: usize) -> Parameter {
+    fn parameter(&self, balance: &Balance, load: bool, k: usize) -> Parameter {
         let term = Balance::terms(load).get(k).copied().unwrap_or(0);
-        let at = |list: &[f32]| list.get(term).copied().unwrap_or(1.0);
+        let nominal = balance.nominal.get(term).copied().unwrap_or(1.0);
         let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
-        let own = parameter(self.delta.get(k).copied().unwrap_or(0.0), variance, at(&balance.nominal));
-        self.scores += own.score;
-        own
+        parameter(self.delta.get(k).copied().unwrap_or(0.0), variance, nominal)
     }
 
-    /// Adds the k-th term to the drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
-    #[inline(never)]
-    fn add_to_drag(&mut self, balance: &Balance, load: bool, k: usize) {
+    /// The drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
+    fn drag(&self, balance: &Balance, load: bool) -> Parameter {
         let (weights, terms) = (balance.in_drag(), Balance::terms(load));
-        let Some((&term, before)) = terms.get(..=k).and_then(<[usize]>::split_last) else { return };
         let weight = |term: usize| weights.get(term).copied().unwrap_or(0.0);
-        let own = weight(term);
-        if own == 0.0 {
-            return;
+        let (mut value, mut nominal, mut variance) = (0.0, 0.0, 0.0);
+        for (k, (&term, delta)) in terms.iter().zip(&self.delta).enumerate() {
+            let w = weight(term);
+            if w == 0.0 {
+                continue;
+            }
+            value += w * delta;
+            nominal += w * balance.nominal.get(term).copied().unwrap_or(0.0);
+            let row = self.covariance.get(lower(k, 0)..).unwrap_or_default();
+            let before = terms.get(..k).unwrap_or_default();
+            let with: f32 = pairs(before, row).map(|(&other, covariance)| weight(other) * covariance).sum();
+            variance += w * (2.0 * with + w * row.get(k).copied().unwrap_or(0.0));
         }
-        let [value, nominal, variance] = &mut self.drag;
-        *value += own * self.delta.get(k).copied().unwrap_or(0.0);
-        *nominal += own * balance.nominal.get(term).copied().unwrap_or(0.0);
-        let row = self.covariance.get(lower(k, 0)..).unwrap_or_default();
-        let with: f32 = pairs(before, row).map(|(&other, covariance)| weight(other) * covariance).sum();
-        *variance += own * (2.0 * with + own * row.get(k).copied().unwrap_or(0.0));
+        parameter(value, variance, nominal)
     }
 }
 
@@ -210,6 +166,13 @@ fn reason(error: SolveError, load: bool, rows: u32) -> Reason {
 mod tests {
     use super::*;
     use crate::shaft::balance::{BalanceState, StateVariable, Torques};
+
+    fn solve(balance: &Balance, load: bool, sums: &mut BalanceSums) -> Result<Friction, Reason> {
+        let mut estimated = Estimated::NONE;
+        estimated.solve(balance, load, sums)?;
+        estimated.correlate(balance, load, sums);
+        estimated.friction(balance, load, sums.rows)
+    }
 
     /// p₀ … p₄ of the healthy shaft.
     const HEALTHY: [f32; 5] = [0.005, 0.002, 0.1, 20.0, 0.05];
@@ -253,15 +216,6 @@ mod tests {
             }
         }
         solve(&balance, load, &mut state.sums().clone())
-    }
-
-    fn solve(balance: &Balance, load: bool, sums: &mut BalanceSums) -> Result<Friction, Reason> {
-        let (mut solve, mut friction) = (BalanceSolve::new(), Friction::default());
-        loop {
-            if let Some(outcome) = solve.advance(balance, load, sums, &mut friction, 1) {
-                return outcome.map(|()| friction);
-            }
-        }
     }
 
     #[test]
@@ -374,14 +328,12 @@ mod tests {
     #[test]
     fn a_drag_that_overflows_is_refused() {
         // Each term is finite, and twenty times the viscous one is not.
-        let mut solve = BalanceSolve { stage: Stage::Results, ..BalanceSolve::new() };
-        solve.delta[1] = 1e38;
-        solve.covariance[lower(1, 1)] = 1e38;
-        let mut sums = BalanceSums::new(&balance(8), true);
-        let mut friction = Friction::default();
-        let outcome = (0..20).find_map(|_| solve.advance(&balance(8), true, &mut sums, &mut friction, 1));
-        assert_eq!(outcome, Some(Err(Reason::NotFinite(Part::TorqueBalance))));
-        assert_eq!(friction, Friction::default());
+        let mut estimated = Estimated::NONE;
+        estimated.delta[1] = 1e38;
+        estimated.covariance[lower(1, 1)] = 1e38;
+        assert_eq!(estimated.friction(&balance(8), true, 100), Err(Reason::NotFinite(Part::TorqueBalance)));
+        estimated.delta[1] = 1.0;
+        assert!(estimated.friction(&balance(8), true, 100).is_ok());
     }
 
     #[test]

@@ -27,6 +27,6 @@ pub use slip::OrderStrength;
 pub(super) use {
     noise::NoiseLine,
     residual::ResidualState,
-    slip::{SlipRange, SlipSearch},
+    slip::{Search, SlipRange},
     tracking::{OrderSums, OrderTracking},
 };

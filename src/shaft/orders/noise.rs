@@ -64,7 +64,6 @@ impl Noise {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(in crate::shaft) struct NoiseLine {
-    taken: u8,
     /// Smallest number of blocks of a control order.
     blocks: u32,
     mean: [f32; 2],
@@ -78,44 +77,42 @@ pub(in crate::shaft) struct NoiseLine {
 }
 
 impl NoiseLine {
-    pub(in crate::shaft) const fn new() -> Self {
-        Self {
-            taken: 0,
-            blocks: u32::MAX,
-            mean: [0.0; 2],
-            square: 0.0,
-            product: 0.0,
-            squared_levels: 0.0,
-            slope: 0.0,
-            harmonics: [1.0; MAX_HARMONICS],
+    /// No control order.
+    pub(in crate::shaft) const NONE: Self = Self {
+        blocks: u32::MAX,
+        mean: [0.0; 2],
+        square: 0.0,
+        product: 0.0,
+        squared_levels: 0.0,
+        slope: 0.0,
+        harmonics: [1.0; MAX_HARMONICS],
+    };
+
+    /// Of these control orders.
+    #[inline(never)]
+    pub(in crate::shaft) fn new(noise: &Noise, controls: &[i32; CONTROLS]) -> Self {
+        let mut line = Self::NONE;
+        let mut taken = 0.0;
+        for ((root, count), order) in noise.roots.iter().zip(&noise.counts).zip(controls) {
+            taken += 1.0;
+            line.blocks = line.blocks.min(*count);
+            let root = root / ((*count as f32).max(1.0) * ROOT_MEAN); // (1)
+            line.take(1.0 / taken, ln_of_level(*order as f32 / 65_536.0), 4.0 * ln_of_level(root));
         }
+        line.slope = if line.square > 0.0 { line.product / line.square } else { 0.0 };
+        line.harmonics = [1.0, libm::expf(line.slope * LN_2), libm::expf(line.slope * LN_3)]; // (3)
+        line
     }
 
-    /// Takes the next control order, or after the last one the slope; whether the line is complete.
-    #[inline(never)]
-    pub(in crate::shaft) fn take(&mut self, noise: &Noise, controls: &[i32; CONTROLS]) -> bool {
-        let k = self.taken as usize;
-        if k > CONTROLS {
-            return true;
-        }
-        self.taken = self.taken.saturating_add(1);
-        let own = (noise.roots.get(k), noise.counts.get(k), controls.get(k));
-        let (Some(root), Some(count), Some(order)) = own else {
-            self.slope = if self.square > 0.0 { self.product / self.square } else { 0.0 };
-            self.harmonics = [1.0, libm::expf(self.slope * LN_2), libm::expf(self.slope * LN_3)]; // (3)
-            return false;
-        };
-        self.blocks = self.blocks.min(*count);
-        let root = root / ((*count as f32).max(1.0) * ROOT_MEAN); // (1)
-        let (x, y) = (ln_of_level(*order as f32 / 65_536.0), 4.0 * ln_of_level(root));
+    /// Takes a point x = ln o, y = ln σ², which is this part of all points so far.
+    fn take(&mut self, part: f32, x: f32, y: f32) {
         let [mean_x, mean_y] = &mut self.mean;
-        let (part, far, far_level) = (1.0 / f32::from(self.taken), x - *mean_x, y - *mean_y);
+        let (far, far_level) = (x - *mean_x, y - *mean_y);
         *mean_x += part * far;
         *mean_y += part * far_level;
         self.square += far * (x - *mean_x);
         self.product += far * (y - *mean_y);
         self.squared_levels += far_level * (y - *mean_y);
-        false
     }
 
     /// (2) and a ninth of (4).
@@ -154,9 +151,7 @@ mod tests {
             noise.add(k, [1.0, 1.0], 0.0);
         }
         assert!(!noise.is_unknown() && Noise::default().is_unknown());
-        let mut line = NoiseLine::new();
-        while !line.take(&noise, &orders.map(q16)) {}
-        line
+        NoiseLine::new(&noise, &orders.map(q16))
     }
 
     #[test]

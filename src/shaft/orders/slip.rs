@@ -51,7 +51,7 @@ use crate::plan::MAX_HARMONICS;
 const SIDE: i8 = 8;
 
 /// How much an order exceeds the noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OrderStrength {
     /// (3): about one without a defect.
@@ -68,61 +68,12 @@ pub struct OrderStrength {
     pub slip_deviation: f32,
 }
 
-impl OrderStrength {
-    const NONE: Self =
-        Self { prominence: 0.0, score: 0.0, amplitude: 0.0, deviation: 0.0, slip: 0.0, slip_deviation: 0.0 };
-}
-
-impl Default for OrderStrength {
-    fn default() -> Self {
-        Self::NONE
-    }
-}
-
 /// Products d h in (1): phases of its terms, in ψ.
 const COMBINED: usize = LAGS * MAX_HARMONICS;
 // `parts` takes terms in pairs, those of a harmonic too.
 const _: () = assert!(LAGS.is_multiple_of(2));
 
-/// The search under way, one slip a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(in crate::shaft) struct SlipSearch {
-    /// What the next step does: before the first slip, it takes the noise and combines the harmonics; after the last,
-    /// it forms the results.
-    next: i8,
-    /// The terms of (1) by their phases d h ψ, and the one without a phase.
-    terms: [[f32; 2]; COMBINED],
-    constant: f32,
-    /// The first sum of (7).
-    slopes: f32,
-    /// P at the last slip on each side of zero.
-    last: [f32; 2],
-    /// The largest P, its slip, and P at the slips below and above it.
-    best: f32,
-    best_at: i8,
-    around: [f32; 2],
-    found: OrderStrength,
-    /// Of the prominence.
-    cube_root: f32,
-    /// `σ_c²` at the order, and of −P″ (6) a squared step.
-    variance: f32,
-    curvature: f32,
-    /// b of (5), a, a₀/a, and ln M.
-    uncertain: f32,
-    relative: f32,
-    constant_part: f32,
-    log_slips: f32,
-    /// Σ V(d)²/V(0)², V(0) + 2 Σ (1 − d/7)² V(d), 2 Σ (1 − d/7)² d² V(d), and Σ (1 − d/7) V(d).
-    squared_pairs: f32,
-    noise_power: f32,
-    spread: f32,
-    steady: f32,
-    /// |A|² of (8).
-    power: f32,
-}
-
-/// What a search needs besides the sums.
+/// The slips among which the largest P is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::shaft) struct SlipRange {
     /// L, turns of a cell.
@@ -131,75 +82,167 @@ pub(in crate::shaft) struct SlipRange {
     pub slip: f32,
 }
 
-impl SlipSearch {
-    pub(in crate::shaft) const fn new() -> Self {
-        Self {
-            next: LEVEL,
-            terms: [[0.0; 2]; COMBINED],
-            constant: 0.0,
-            slopes: 0.0,
-            last: [f32::NEG_INFINITY; 2],
-            best: f32::NEG_INFINITY,
-            best_at: 0,
-            around: [f32::NEG_INFINITY; 2],
-            found: OrderStrength::NONE,
-            cube_root: 0.0,
-            variance: 0.0,
-            curvature: 0.0,
-            uncertain: 0.0,
-            relative: 1.0,
-            constant_part: 0.0,
-            log_slips: 0.0,
-            squared_pairs: 0.0,
-            noise_power: 0.0,
-            spread: 0.0,
-            steady: 0.0,
-            power: 0.0,
-        }
+impl SlipRange {
+    /// ψ of (2) in turns at the largest slip.
+    fn turns(&self, order: &TrackedOrder) -> f32 {
+        order.order() * order.slip_ratio * self.slip * self.cell_turns
     }
+}
 
-    /// Does the next step; the strength after the last one.
+/// An order whose largest P is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(in crate::shaft) struct Search {
+    pairs: Pairs,
+    /// `σ_c²` at the order, and b of (5).
+    variance: f32,
+    uncertain: f32,
+    /// The first sum of (7).
+    slopes: f32,
+    /// The largest P, its slip, and −P″ (6) a squared step.
+    best: f32,
+    slip: f32,
+    curvature: f32,
+}
+
+impl Search {
+    /// Looks for the largest P.
     #[inline(never)]
-    pub(in crate::shaft) fn step(
-        &mut self,
-        sums: &LineSums,
-        noise: &NoiseLine,
-        order: &TrackedOrder,
-        range: &SlipRange,
-    ) -> Option<OrderStrength> {
-        let next = self.next;
-        self.next = next.wrapping_add(1);
-        match next {
-            0..=SIDE => self.compare(next, turns(order, range, f32::from(next) / f32::from(SIDE))),
-            PROMINENCE => self.prominence(order, range),
-            NOISE => self.noise(sums),
-            LAW => self.law(sums, order, range),
-            SCORE => self.score(),
-            AMPLITUDE => self.amplitude(sums, order, range),
-            DEVIATIONS => {
-                self.deviations(sums, order, range);
-                return Some(self.found);
-            }
-            LEVEL => (self.variance, self.uncertain) = noise.at(order.order()),
-            before => self.combine(sums, noise, order, usize::from(before.wrapping_sub(COMBINE).unsigned_abs())),
-        }
-        None
+    pub(in crate::shaft) fn new(sums: &LineSums, noise: &NoiseLine, order: &TrackedOrder, range: &SlipRange) -> Self {
+        let (variance, uncertain) = noise.at(order.order());
+        let pairs = Pairs::of(sums.pairs);
+        let power = Power::of(sums, &pairs, order, noise, variance);
+        let peak = power.peak(range.turns(order));
+        let (shift, curvature, best) = peak.vertex();
+        let slip = (f32::from(peak.at) + shift) * range.slip / f32::from(SIDE);
+        Self { pairs, variance, uncertain, slopes: power.slopes, best, slip, curvature }
     }
 
-    /// Adds the terms of a harmonic to those of equal phase.
-    fn combine(&mut self, sums: &LineSums, noise: &NoiseLine, order: &TrackedOrder, h: usize) {
-        let own = (order.weights.get(h), sums.power.get(h), sums.weight.get(h), sums.lags.get(h));
-        let (Some(weight), Some(power), Some(total), Some(lags)) = own else { return };
-        if *weight <= 0.0 || *total <= 0.0 {
+    /// What the largest P says.
+    #[inline(never)]
+    pub(in crate::shaft) fn strength(&self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) -> OrderStrength {
+        let [w1, w2, w3] = order.weights;
+        let prominence = (self.best / (w1 + w2 + w3)).max(0.0); // (3)
+        let power = self.amplitude_power(sums, order, range);
+        let ([total, ..], square) = (sums.weight, self.pairs.square);
+        let turning = 2.0 * PI * order.order() * order.slip_ratio.abs() * range.cell_turns;
+        let crossed = 1.0 + power * square / (self.variance * total);
+        let slope_deviation = turning * libm::sqrtf(self.slopes * self.pairs.spread * crossed) / total; // (7)
+        let step = range.slip / f32::from(SIDE);
+        let slip_deviation = slope_deviation * step * step / self.curvature; // (6)
+        OrderStrength {
+            prominence,
+            score: self.score(sums, order, range, prominence),
+            amplitude: 2.0 * libm::sqrtf(power), // (8)
+            deviation: 2.0 * libm::sqrtf(self.variance / total),
+            slip: self.slip,
+            slip_deviation: if self.curvature > 0.0 { slip_deviation.min(range.slip) } else { range.slip },
+        }
+    }
+
+    /// (5).
+    #[inline(never)]
+    fn score(&self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange, prominence: f32) -> f32 {
+        let Pairs { square, noise, spread, .. } = self.pairs;
+        let ([w1, w2, w3], [total, ..]) = (order.weights, sums.weight);
+        let (weights, squares) = (w1 + w2 + w3, w1 * w1 + w2 * w2 + w3 * w3);
+        let freedom = 2.0 * weights * weights * total * total / (squares * noise); // (4)
+        let relative = 2.0 / (9.0 * freedom);
+        let steady = square / noise;
+        let varying = spread / (noise * (1.0 - steady)).max(f32::MIN_POSITIVE);
+        let log_slips = ln(1.0 + 4.0 * PI * range.turns(order).abs() * libm::sqrtf(varying));
+        // The cube root of libm works in double precision, which the chip does in software.
+        let root = if prominence > f32::MIN_POSITIVE { libm::expf(ln(prominence) / 3.0) } else { 0.0 };
+        let of_slips = libm::sqrtf((relative * (1.0 - steady)).max(0.0));
+        let excess = (1.0 - self.uncertain) * root - 1.0 + relative - 0.7 * of_slips * log_slips;
+        let of_largest = of_slips / (1.0 + 0.2 * log_slips);
+        let variance = of_largest * of_largest + relative * steady + self.uncertain * root * root;
+        excess / libm::sqrtf(variance)
+    }
+
+    /// |A|² of (8).
+    #[inline(never)]
+    fn amplitude_power(&self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) -> f32 {
+        let mut lags = sums.lags.first().copied().unwrap_or_default();
+        for (d, [x, y]) in (1_u8..).zip(&mut lags) {
+            let t = taper(f32::from(d));
+            (*x, *y) = (*x * t, *y * t);
+        }
+        let (even, odd) = parts(&lags, range.turns(order) * (self.slip / range.slip.max(f32::MIN_POSITIVE)));
+        ((even + odd) / self.pairs.steady).max(0.0)
+    }
+}
+
+/// Sums over the pairs of blocks, that is over the V(d) of the first harmonic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Pairs {
+    /// V(0).
+    square: f32,
+    /// Σ V(d)²/V(0)².
+    squares: f32,
+    /// V(0) + 2 Σ (1 − d/7)² V(d).
+    noise: f32,
+    /// 2 Σ (1 − d/7)² d² V(d).
+    spread: f32,
+    /// Σ (1 − d/7) V(d).
+    steady: f32,
+}
+
+impl Pairs {
+    /// The sums of (4), (7), (8) and (9).
+    #[inline(never)]
+    fn of([square, lags @ ..]: [f32; LAGS + 1]) -> Self {
+        let mut sums = Self { square, squares: 0.0, noise: square, spread: 0.0, steady: 0.0 };
+        for (d, pair) in (1_u8..).zip(lags) {
+            let far = f32::from(d);
+            let t = taper(far);
+            let (once, twice) = (t * pair, 2.0 * t * t * pair);
+            sums.steady += once;
+            sums.squares += pair * pair;
+            sums.noise += twice;
+            sums.spread += twice * far * far;
+        }
+        sums.squares /= square * square;
+        sums
+    }
+}
+
+/// P(δ) of (1) by its terms.
+#[derive(Clone, Copy, Debug)]
+struct Power {
+    /// The terms of (1) by their phases d h ψ, and the one without a phase.
+    terms: [[f32; 2]; COMBINED],
+    constant: f32,
+    /// The first sum of (7).
+    slopes: f32,
+}
+
+impl Power {
+    /// Of all harmonics, with noise of this variance at the order.
+    #[inline(never)]
+    fn of(sums: &LineSums, pairs: &Pairs, order: &TrackedOrder, noise: &NoiseLine, variance: f32) -> Self {
+        let mut power = Self { terms: [[0.0; 2]; COMBINED], constant: 0.0, slopes: 0.0 };
+        for (h, weight) in order.weights.iter().enumerate() {
+            power.add(sums, pairs, h, *weight, variance * noise.ratio(h));
+        }
+        power
+    }
+
+    /// Adds the terms of a harmonic to those of equal phase, with `control` as its noise between the orders.
+    #[inline(never)]
+    fn add(&mut self, sums: &LineSums, pairs: &Pairs, h: usize, weight: f32, control: f32) {
+        let of_harmonic = (sums.power.get(h), sums.weight.get(h), sums.lags.get(h));
+        let (Some(power), Some(total), Some(lags)) = of_harmonic else { return };
+        if weight <= 0.0 || *total <= 0.0 {
             return;
         }
-        let control = self.variance * noise.ratio(h);
         let squares: f32 = lags.as_flattened().iter().map(|x| x * x).sum();
         let unit = control * total;
-        let in_phase = libm::sqrtf(squares / self.squared_pairs);
+        let in_phase = libm::sqrtf(squares / pairs.squares);
         // Without neighbouring blocks not a number.
         let excess = (power - 2.0 * in_phase) / unit - 2.0;
-        let rest = (power - 3.0 * in_phase) / unit;
+        let least = (power - 3.0 * in_phase) / unit;
         // `clamp` may panic.
         let limited = if excess > 1.5 {
             4.0
@@ -208,7 +251,7 @@ impl SlipSearch {
         } else {
             1.0
         };
-        let noise = if rest > limited { rest } else { limited }; // (9)
+        let noise = if least > limited { least } else { limited }; // (9)
         let relative = weight / noise;
         let slope = h.wrapping_add(1) as f32 * relative;
         self.slopes += slope * slope;
@@ -218,145 +261,70 @@ impl SlipSearch {
         for (d, [x, y]) in (1_u8..).zip(lags) {
             let twice = 2.0 * scale * taper(f32::from(d));
             // Phases (h + 1) d: every (h + 1)-th term.
-            let [[sum_x, sum_y], rest @ ..] = terms else { return };
+            let [[sum_x, sum_y], later @ ..] = terms else { return };
             *sum_x += twice * x;
             *sum_y += twice * y;
-            terms = rest.get_mut(h..).unwrap_or_default();
+            terms = later.get_mut(h..).unwrap_or_default();
         }
     }
 
-    /// (1) at two opposite slips, `k` steps from zero, where ψ is so many turns at the upper one. Of equal values, as
-    /// those of an order that does not slip, that nearest to slip zero is the largest.
-    fn compare(&mut self, k: i8, turns: f32) {
-        let (even, odd) = parts(&self.terms, turns);
-        let [low, high] = [self.constant + even - odd, self.constant + even + odd];
-        let [last_low, last_high] = self.last;
-        self.add(k.wrapping_neg(), low, [f32::NEG_INFINITY, last_low]);
-        self.add(k, high, [last_high, f32::NEG_INFINITY]);
-        self.last = [low, high];
+    /// The largest of P at [`SIDE`] slips on each side of zero, of a range of so many turns ψ. Of equal values, as those
+    /// of an order that does not slip, that nearest to slip zero is the largest.
+    #[inline(never)]
+    fn peak(&self, turns: f32) -> Peak {
+        let mut peak = Peak { value: f32::NEG_INFINITY, at: 0, around: [f32::NEG_INFINITY; 2] };
+        let mut last = [f32::NEG_INFINITY; 2];
+        for k in 0..=SIDE {
+            let (even, odd) = parts(&self.terms, turns * (f32::from(k) / f32::from(SIDE)));
+            let [low, high] = [self.constant + even - odd, self.constant + even + odd];
+            let [last_low, last_high] = last;
+            peak.compare(k.wrapping_neg(), low, [f32::NEG_INFINITY, last_low]);
+            peak.compare(k, high, [last_high, f32::NEG_INFINITY]);
+            last = [low, high];
+        }
+        peak
     }
+}
 
+/// The largest P, its slip, and P at the slips below and above it.
+#[derive(Clone, Copy, Debug)]
+struct Peak {
+    value: f32,
+    at: i8,
+    around: [f32; 2],
+}
+
+impl Peak {
     /// Takes P at a slip, of whose neighbours those next to zero are known.
-    fn add(&mut self, at: i8, value: f32, around: [f32; 2]) {
+    #[inline(always)]
+    fn compare(&mut self, at: i8, value: f32, around: [f32; 2]) {
         let [below, above] = &mut self.around;
-        if value > self.best {
-            (self.best, self.best_at, self.around) = (value, at, around);
-        } else if at == self.best_at.wrapping_sub(1) {
+        if value > self.value {
+            *self = Self { value, at, around };
+        } else if at == self.at.wrapping_sub(1) {
             *below = value;
-        } else if at == self.best_at.wrapping_add(1) {
+        } else if at == self.at.wrapping_add(1) {
             *above = value;
         }
-    }
-
-    /// Slip and (3).
-    #[inline(never)]
-    fn prominence(&mut self, order: &TrackedOrder, range: &SlipRange) {
-        let (shift, curvature, best) = self.vertex();
-        self.curvature = curvature;
-        self.found.slip = (f32::from(self.best_at) + shift) * range.slip / f32::from(SIDE);
-        let [w1, w2, w3] = order.weights;
-        let prominence = (best / (w1 + w2 + w3)).max(0.0); // (3)
-        // The cube root of libm works in double precision, which the chip does in software.
-        self.cube_root = if prominence > f32::MIN_POSITIVE { libm::expf(ln(prominence) / 3.0) } else { 0.0 };
-        self.found.prominence = prominence;
-    }
-
-    /// The sums over V of (4), (7), (8) and (9).
-    fn noise(&mut self, sums: &LineSums) {
-        let [square, lags @ ..] = sums.pairs;
-        self.noise_power = square;
-        for (d, pair) in (1_u8..).zip(lags) {
-            let far = f32::from(d);
-            let t = taper(far);
-            let (once, twice) = (t * pair, 2.0 * t * t * pair);
-            self.steady += once;
-            self.squared_pairs += pair * pair;
-            self.noise_power += twice;
-            self.spread += twice * far * far;
-        }
-        self.squared_pairs /= square * square;
-    }
-
-    /// The numbers of (5) that depend on the sums: a, a₀/a, and ln M.
-    fn law(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
-        let ([w1, w2, w3], [total, ..]) = (order.weights, sums.weight);
-        let (weights, squares) = (w1 + w2 + w3, w1 * w1 + w2 * w2 + w3 * w3);
-        let freedom = 2.0 * weights * weights * total * total / (squares * self.noise_power); // (4)
-        self.relative = 2.0 / (9.0 * freedom);
-        let steady = sums.pairs.first().map_or(0.0, |square| square / self.noise_power);
-        let varying = self.spread / (self.noise_power * (1.0 - steady)).max(f32::MIN_POSITIVE);
-        self.constant_part = steady;
-        self.log_slips = ln(1.0 + 4.0 * PI * turns(order, range, 1.0).abs() * libm::sqrtf(varying));
-    }
-
-    /// (5).
-    #[inline(never)]
-    fn score(&mut self) {
-        let (root, own) = (self.cube_root, self.uncertain);
-        let (relative, steady, log) = (self.relative, self.constant_part, self.log_slips);
-        let of_slips = libm::sqrtf((relative * (1.0 - steady)).max(0.0));
-        let excess = (1.0 - own) * root - 1.0 + relative - 0.7 * of_slips * log;
-        let of_largest = of_slips / (1.0 + 0.2 * log);
-        let variance = of_largest * of_largest + relative * steady + own * root * root;
-        self.found.score = excess / libm::sqrtf(variance);
-    }
-
-    /// (8).
-    fn amplitude(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
-        let mut lags = sums.lags.first().copied().unwrap_or_default();
-        for (d, [x, y]) in (1_u8..).zip(&mut lags) {
-            let t = taper(f32::from(d));
-            (*x, *y) = (*x * t, *y * t);
-        }
-        let (even, odd) = parts(&lags, turns(order, range, self.found.slip / range.slip.max(f32::MIN_POSITIVE)));
-        self.power = ((even + odd) / self.steady).max(0.0);
-        self.found.amplitude = 2.0 * libm::sqrtf(self.power);
-    }
-
-    /// (6) and (7), and the deviation of the amplitude.
-    fn deviations(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
-        let ([total, ..], [square, ..]) = (sums.weight, sums.pairs);
-        let turning = 2.0 * PI * order.order() * order.slip_ratio.abs() * range.cell_turns;
-        let crossed = 1.0 + self.power * square / (self.variance * total);
-        let slope_deviation = turning * libm::sqrtf(self.slopes * self.spread * crossed) / total; // (7)
-        let step = range.slip / f32::from(SIDE);
-        let slip_deviation = slope_deviation * step * step / self.curvature; // (6)
-        self.found.deviation = 2.0 * libm::sqrtf(self.variance / total);
-        self.found.slip_deviation = if self.curvature > 0.0 { slip_deviation.min(range.slip) } else { range.slip };
     }
 
     /// Vertex of the parabola through the best slip and its neighbours: shift in steps, −P″ a step², P.
     fn vertex(&self) -> (f32, f32, f32) {
         let [before, after] = self.around;
         if before.is_finite() && after.is_finite() {
-            let curvature = 2.0 * self.best - before - after;
+            let curvature = 2.0 * self.value - before - after;
             if curvature > 0.0 {
                 let slope = 0.5 * (after - before);
-                return (slope / curvature, curvature, self.best + 0.5 * slope * slope / curvature);
+                return (slope / curvature, curvature, self.value + 0.5 * slope * slope / curvature);
             }
         }
-        (0.0, 0.0, self.best)
+        (0.0, 0.0, self.value)
     }
 }
-
-/// Before the first slip the noise and a step for each harmonic, after the last one the results.
-const COMBINE: i8 = -3;
-const NOISE: i8 = COMBINE - 1;
-const LEVEL: i8 = NOISE - 1;
-const PROMINENCE: i8 = SIDE + 1;
-const LAW: i8 = SIDE + 2;
-const SCORE: i8 = SIDE + 3;
-const AMPLITUDE: i8 = SIDE + 4;
-const DEVIATIONS: i8 = SIDE + 5;
 
 /// 1 − d/7.
 fn taper(d: f32) -> f32 {
     1.0 - d / (f32::from(PLACES) + 1.0)
-}
-
-/// ψ of (2) in turns at a part of the range.
-fn turns(order: &TrackedOrder, range: &SlipRange, part: f32) -> f32 {
-    order.order() * order.slip_ratio * range.slip * range.cell_turns * part
 }
 
 /// `Σ_m Re r_m cos(m θ)` and `Σ_m Im r_m sin(m θ)`, m from one on, θ so many turns, by Clenshaw's recurrence: their sum

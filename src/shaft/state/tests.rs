@@ -54,7 +54,7 @@ fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Fr
         shaft.step(plan, &constants, &sample, good(k));
     }
     let (mut sums, mut solve, mut estimate) = (shaft.sums(), ShaftSolve::new(), ShaftEstimate::empty(plan));
-    while !solve.advance(plan, &constants, &mut sums, &mut estimate, 1) {}
+    while !solve.advance(plan, &constants, &mut sums, &mut estimate) {}
     estimate.friction_reason.map_or(Ok(estimate.friction), Err)
 }
 

@@ -165,7 +165,7 @@ fn outcome<P: Three>(plan: P, way: Way) -> Outcome {
                 let segment = stream.detach();
                 let mut pieces = stream.pieces(segment);
                 loop {
-                    if let Some(estimate) = pieces.advance(&constants, 1) {
+                    if let Some(estimate) = pieces.advance(&constants) {
                         break estimate.clone();
                     }
                 }

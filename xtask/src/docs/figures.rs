@@ -105,15 +105,15 @@ const CALLS: [(&str, &str, Value); 15] = [
     ("the same for any data", "collect, sample that closes, any data", |f| f.instructions),
     ("`conclude`", "conclude", |f| f.instructions),
     ("the same for any data", "conclude, any data", |f| f.instructions),
-    ("`Solver::advance`, longest piece", "longest piece", |f| f.instructions),
-    ("the same for any data", "longest piece, any data", |f| f.instructions),
+    ("`Monitor::advance`, longest step", "longest step", |f| f.instructions),
+    ("the same for any data", "longest step, any data", |f| f.instructions),
     ("`adopt`, any data", "adopt, any data", |f| f.instructions),
     ("`discard`, any data", "discard, any data", |f| f.instructions),
     // The example `measure` prints this number in the place of the size.
-    ("`Solver::advance`, number of pieces", "number of pieces", |f| f.n),
+    ("`Monitor::advance`, number of steps", "number of steps", |f| f.n),
     ("reading and checking a model", "reading and checking its model", |f| f.instructions),
     ("bytes of a `Detector`", "collect, mean sample", |f| f.bytes),
-    ("bytes of a `Solver`", "longest piece", |f| f.bytes),
+    ("bytes of a `Monitor`", "longest step", |f| f.bytes),
 ];
 
 /// The columns: a heading, and how the names of the figures start.
@@ -130,7 +130,7 @@ const MEMORY: [(&str, &str); 6] = [
     ("stack of `step`, the end of a segment", "stack, {stack} segment end"),
     ("stack of `collect`", "stack, {stack} collect"),
     ("stack of `conclude`", "stack, {stack} conclude"),
-    ("stack of `Solver::advance`", "stack, {stack} piece"),
+    ("stack of `Monitor::advance`", "stack, {stack} step of the solve"),
     ("flash that the whole detector adds to an empty program", "flash of the whole detector, {flash}"),
 ];
 

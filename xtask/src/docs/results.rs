@@ -199,7 +199,7 @@ fn recorded(document: &str) -> Result<Vec<[String; 2]>> {
 fn cost(document: &str) -> Result<Vec<[String; 2]>> {
     let cell = |name: &str| -> Result<String> { number(&table(document, name)?, 3) };
     let bytes = |name: &str| -> Result<u64> { Ok(cell(name)?.parse()?) };
-    let ram = bytes("bytes of a `Detector`")? + bytes("bytes of a `Solver`")?;
+    let ram = bytes("bytes of a `Detector`")? + bytes("bytes of a `Monitor`")?;
     Ok(vec![[
         "cost on a Cortex-M4F with 8 parameters, friction, and four orders of three harmonics".to_owned(),
         format!(

@@ -268,7 +268,7 @@ fn a_deferred_solve_gives_the_same_bits() {
             let solved = segment.take().map(|closed| whole.solve(closed));
             taken_over += u32::from(solved.is_some_and(|estimate| whole.adopt(&estimate)));
         }
-        if let Some(estimate) = solver.as_mut().and_then(|solver| solver.advance(&constants, 1)) {
+        if let Some(estimate) = solver.as_mut().and_then(|solver| solver.advance(&constants)) {
             assert!(pieces.adopt(estimate));
             solver = None;
         }

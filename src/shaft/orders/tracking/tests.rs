@@ -2,7 +2,7 @@ use super::*;
 use crate::plan::{Layout, RunTime, ShaftLayout, Signal};
 use crate::shaft::orders::blocks::{Blocks, MAX_BLOCKS, TrackedOrder, q16};
 use crate::shaft::orders::noise::NoiseLine;
-use crate::shaft::orders::slip::{OrderStrength, SlipRange, SlipSearch};
+use crate::shaft::orders::slip::{OrderStrength, Search, SlipRange};
 use std::vec;
 use std::vec::Vec;
 
@@ -82,13 +82,9 @@ fn run_in(
     let sums = orders.sums();
     let range =
         SlipRange { cell_turns: libm::exp2f(f32::from(tracking.blocks.cell_turns_log2)), slip: tracking.blocks.slip };
-    let (mut search, mut noise) = (SlipSearch::new(), NoiseLine::new());
-    while !noise.take(&sums.noise, &tracking.blocks.controls) {}
-    loop {
-        if let Some(strength) = search.step(&sums.lines[0], &noise, &tracking.orders[0], &range) {
-            return (strength, sums.blocks);
-        }
-    }
+    let (noise, line, order) =
+        (NoiseLine::new(&sums.noise, &tracking.blocks.controls), &sums.lines[0], &tracking.orders[0]);
+    (Search::new(line, &noise, order, &range).strength(line, order, &range), sums.blocks)
 }
 
 fn mean_and_deviation(x: &[f64]) -> (f64, f64) {

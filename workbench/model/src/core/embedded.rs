@@ -227,7 +227,7 @@ impl Embedded {
         let classifier = &self.model.constants().classifier;
         let mut decision = classifier.decide(self.model.plan(), log_likelihoods, surprise)?;
         decision.set_beyond(beyond);
-        Some((classifier.finding(&decision).into(), decision.posteriors().to_vec()))
+        Some((Finding::of(classifier.verdict(&decision))?, decision.posteriors().to_vec()))
     }
 
     /// Prior probability of each class: the posteriors for equal likelihoods of all classes.

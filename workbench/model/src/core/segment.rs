@@ -1,6 +1,5 @@
 //! What the detector reported on one segment of a trace.
 
-use bearing_watch::internals::Finding as CoreFinding;
 use bearing_watch::model::{Feature, FeatureValue};
 use bearing_watch::shaft::{Friction, OrderStrength};
 use bearing_watch::{Average, Counts, Reason, Verdict};
@@ -114,16 +113,6 @@ impl Finding {
             Verdict::Novel => Some(Self::Novel),
             Verdict::Ambiguous => Some(Self::Ambiguous),
             Verdict::Undetermined(_) => None,
-        }
-    }
-}
-
-impl From<CoreFinding> for Finding {
-    fn from(finding: CoreFinding) -> Self {
-        match finding {
-            CoreFinding::Class(class) => Self::Class(class as usize),
-            CoreFinding::Novel => Self::Novel,
-            CoreFinding::Ambiguous => Self::Ambiguous,
         }
     }
 }
