@@ -103,7 +103,7 @@ mod unroll;
 
 pub use alarm::evidence::{Alarm, Cause, Evidence};
 pub use decide::Decision;
-pub use detector::{Conclusion, Detector, Monitor, Segment, Solver};
+pub use detector::{Conclusion, Detector, Following, Monitor, Segment, Solver, Surroundings};
 pub use known_answers::{arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};
