@@ -11,7 +11,7 @@ use crate::memory::{Object, Tag, at, check, elements_mut, put, put_object, room}
 use crate::plan::{BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_FEATURES, BW_MAX_ORDERS, Own};
 use crate::raw_recorder::BwRawRecorder;
 use crate::recorder::{BW_BLOCK_BYTES, BwRecorder};
-use crate::state::{BwState, Lock, Work};
+use crate::state::{BwState, Lock};
 
 /// Bytes of memory that are enough for `bw_telemetry_init`, aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_TELEMETRY_SIZE: usize = 48;
@@ -128,9 +128,9 @@ pub unsafe extern "C" fn bw_telemetry_report(
 ) -> BwCode {
     let report = |line: &mut Line, buffer: &mut [u8]| {
         let Line::Model(state, encoder) = line else { return Err(BwCode::NotInitialised) };
-        state.settled(|solving| {
-            let Work::Concluded(report) = &solving.work else { return Err(BwCode::NoReport) };
-            written(encoder.report(report, &solving.evidence, buffer))
+        state.settled(|monitor| {
+            let report = monitor.report().ok_or(BwCode::NoReport)?;
+            written(encoder.report(report, monitor.evidence(), buffer))
         })?
     };
     // SAFETY: the same contract.
