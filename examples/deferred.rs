@@ -1,7 +1,7 @@
 //! The interrupt samples, the main loop solves: [`Detector::collect`](bearing_watch::Detector::collect) returns the
-//! sums of a closed segment, `Monitor::conclude` (or `Monitor::advance`, a piece at a time) makes the report, and
+//! sums of a closed segment, `Monitor::conclude` (or `Monitor::advance`, a step at a time) makes the report, and
 //! `Detector::adopt` makes its estimate the auxiliary model. Three ways print the same bits: solved at once in the
-//! interrupt, solved as a whole in the main loop, and solved there by pieces. The program fails if the bits differ, if
+//! interrupt, solved as a whole in the main loop, and solved there in steps. The program fails if the bits differ, if
 //! a segment was lost, or if an estimate came too late to be adopted.
 //!
 //! **How large must `handover` be?** The estimate must be adopted before the next segment has `handover` samples.
@@ -10,12 +10,12 @@
 //!
 //! ```text
 //! as a whole   s = ⌈(solve + classification + longest other work of the main loop) / (interval − interrupt)⌉
-//! by pieces    s = ⌈number of pieces / pieces a sample⌉
+//! in steps     s = ⌈number of steps / steps a sample⌉
 //! handover     ≥ s + 1
 //! ```
 //!
-//! The number of pieces depends on the plan; the example prints it. With 154 pieces and twelve a sample, s = 13 and
-//! `handover` must be at least 14. All pieces of a sample must fit into the interval beside the interrupt. Every
+//! The number of steps depends on the plan; the example prints it. With 14 steps and one a sample, s = 14 and
+//! `handover` must be at least 15. All steps of a sample must fit into the interval beside the interrupt. Every
 //! segment loses the rows of its first `handover + settle` samples; a large `handover` has no other cost.
 //!
 //! A queue of `heapless` hands the segment over: the interrupt owns its producer and the main loop its consumer, so the
@@ -39,8 +39,8 @@ use timer::with;
 /// Number of segments of each way.
 const SEGMENTS: usize = 6;
 
-/// Pieces of a solve that the main loop runs between two samples.
-const PIECES_A_SAMPLE: u32 = 12;
+/// Steps of a solve that the main loop runs between two samples.
+const STEPS_A_SAMPLE: u32 = 1;
 
 /// Room for one segment: a queue of this kind has one place more than it can hold.
 type Queue = spsc::Queue<Segment<Refined>, 2>;
@@ -91,16 +91,16 @@ fn run() {
     timer::start(Shared::new(producer));
     let mut monitor = Monitor::new(&MODEL);
     let whole = deferred("whole", &mut consumer, |segment| monitor.conclude(segment).report.clone());
-    let mut pieces = 0;
-    let by_pieces = deferred("by pieces", &mut consumer, |segment| {
-        let (report, count) = conclude_by_pieces(&mut monitor, segment);
-        pieces = count.max(pieces);
+    let mut steps = 0;
+    let in_steps = deferred("in steps", &mut consumer, |segment| {
+        let (report, count) = conclude_in_steps(&mut monitor, segment);
+        steps = count.max(steps);
         report
     });
     timer::stop();
-    say!("a solve has {pieces} pieces, {PIECES_A_SAMPLE} a sample");
-    say!("whole as inline: {}, by pieces as inline: {}", whole == inline, by_pieces == inline);
-    assert!(whole == inline && by_pieces == inline, "the ways differ");
+    say!("a solve has {steps} steps, {STEPS_A_SAMPLE} a sample");
+    say!("whole as inline: {}, in steps as inline: {}", whole == inline, in_steps == inline);
+    assert!(whole == inline && in_steps == inline, "the ways differ");
 }
 
 /// The hashes of reports that are solved with the sample that closes the segment.
@@ -142,16 +142,16 @@ fn deferred(
     hashes
 }
 
-/// The report, and the number of its pieces.
-fn conclude_by_pieces(monitor: &mut Monitor<'_, Refined>, segment: Segment<Refined>) -> (Report<Refined>, u32) {
+/// The report, and the number of its steps.
+fn conclude_in_steps(monitor: &mut Monitor<'_, Refined>, segment: Segment<Refined>) -> (Report<Refined>, u32) {
     monitor.take(segment);
-    let mut pieces = 0_u32;
+    let mut steps = 0_u32;
     loop {
-        pieces += 1;
+        steps += 1;
         if let Some(now) = monitor.advance() {
-            return (now.report.clone(), pieces);
+            return (now.report.clone(), steps);
         }
-        if pieces.is_multiple_of(PIECES_A_SAMPLE) {
+        if steps.is_multiple_of(STEPS_A_SAMPLE) {
             wait_for_a_sample();
         }
     }
@@ -195,7 +195,7 @@ mod timer {
 
     use super::{Queue, Shared};
 
-    /// From sample to sample, rounds of a loop of two instructions: enough for the interrupt and the pieces of a
+    /// From sample to sample, rounds of a loop of two instructions: enough for the interrupt and the steps of a
     /// sample.
     const INTERVAL: u32 = 5_000;
     /// Largest value of the timer.

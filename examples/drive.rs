@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! interrupt   row ─► FrontEnd ─► Sample ─► Detector::collect ─► queue
-//! main loop   queue ─► Monitor::advance, a piece between two rows ─► adopt, verdict, alarm
+//! main loop   queue ─► Monitor::advance, a step between two rows ─► adopt, verdict, alarm
 //! ```
 //!
 //! The recording is the file `rows.bin` of the working directory, which `bearing-watch replay --rows` writes, and the
@@ -67,7 +67,7 @@ struct MainLoop<'a> {
 }
 
 impl MainLoop<'_> {
-    /// One piece of work. Not inlined, so that what it moves takes no stack during the interrupt.
+    /// One step of work. Not inlined, so that what it moves takes no stack during the interrupt.
     #[inline(never)]
     fn turn(&mut self, detector: &mut Detector<'static, Drive>) {
         if !self.watch.monitor.is_solving() {

@@ -103,7 +103,7 @@ mod unroll;
 
 pub use alarm::evidence::{Alarm, Cause, Evidence};
 pub use decide::Decision;
-pub use detector::{Conclusion, Detector, Monitor, Segment};
+pub use detector::{Conclusion, Detector, Following, Monitor, Segment, Surroundings};
 pub use known_answers::{arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};
@@ -123,7 +123,7 @@ pub mod internals {
     pub use crate::decide::{Classification, MAX_SURPRISE};
     pub use crate::detector::{Solver, conclude};
     pub use crate::regression::estimate::{
-        Alone, Detached, Estimator, Pieces, RegressionSolve, RegressionSums, is_stable,
+        Alone, Detached, Estimator, RegressionSolve, RegressionSums, Steps, is_stable,
     };
     pub use crate::regression::factor::{
         Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle,

@@ -1,4 +1,4 @@
-/* Interrupt and main loop of a drive: the interrupt collects samples, the main loop solves closed segments by pieces.
+/* Interrupt and main loop of a drive: the interrupt collects samples, the main loop solves closed segments in steps.
  *
  * The samples are recorded traces of the simulated standard rig, as counts of a converter; the model is trained for
  * them (`bearing-watch train --c model.h`). `cargo xtask c` builds this file as C and as C++, runs it in QEMU, and
@@ -85,7 +85,7 @@ int main(void) {
         if (failure != BW_CODE_OK) {
             return failed("sampling", failure);
         }
-        /* Asked before the next piece: the last segment is closed by then. */
+        /* Asked before the next step: the last segment is closed by then. */
         int ended = next_count >= held_out_end;
         code = bw_advance(detector);
         if (code < 0) {

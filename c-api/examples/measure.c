@@ -36,7 +36,7 @@ int main(void) {
     next_count = held_out_start;
     print("bytes of state", (uint32_t)bw_state_size());
     print("instructions of bw_init", instructions_of(init));
-    uint32_t longest = 0, first, pieces = 1, sum = 0;
+    uint32_t longest = 0, first, steps = 1, sum = 0;
     for (uint32_t k = 1; k < BW_MODEL_SEGMENT_SAMPLES; k++) {
         uint32_t own = instructions_of(collect);
         sum += own;
@@ -46,16 +46,16 @@ int main(void) {
     print("instructions of bw_collect, longest sample", longest);
     print("instructions of bw_collect, the sample that closes a segment", instructions_of(collect));
     first = instructions_of(advance);
-    for (longest = 0; code == BW_CODE_OK; pieces++) {
+    for (longest = 0; code == BW_CODE_OK; steps++) {
         uint32_t own = instructions_of(advance);
         longest = own > longest && code == BW_CODE_OK ? own : longest;
         if (code == BW_CODE_REPORT) {
-            print("instructions of bw_advance, last piece", own);
+            print("instructions of bw_advance, last step", own);
         }
     }
-    print("instructions of bw_advance, first piece", first);
-    print("instructions of bw_advance, longest piece between", longest);
-    print("number of pieces", pieces);
+    print("instructions of bw_advance, first step", first);
+    print("instructions of bw_advance, longest step between", longest);
+    print("number of steps", steps);
     fill();
     print("stack of bw_collect, the sample that closes a segment", stack_of(collect));
     print("instructions of bw_conclude", instructions_of(conclude));

@@ -1014,7 +1014,8 @@ BwCode bw_alarm(struct BwState *state, struct BwAlarm *alarm);
 BwCode bw_limit_silence(struct BwState *state, uint32_t segments, float hours);
 
 // Ends a run (from power-up to power-up, a session), whose segments depend on each other. Call it at power-down or
-// where a session ends, unless the model was trained with `--segments-a-run`.
+// where a session ends, unless the model was trained with `--segments-a-run`. A segment that is being solved is
+// concluded first, and belongs to the run; `bw_discard` withdraws no report after it.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
@@ -1044,8 +1045,8 @@ BwCode bw_saved_size(const struct BwState *state, size_t *length);
 // bytes.
 BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 
-// Continues from the alarm, scores and trend that `bw_save` wrote, for this model. In case of an error nothing
-// changes.
+// Continues from the alarm, scores and trend that `bw_save` wrote, for this model; there is no report then, and a
+// segment that was being solved is left out. In case of an error nothing changes.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_SAVED_STATE` if the bytes are not a saved state of this version or are corrupted,
 // `BW_CODE_OTHER_MODEL` if they are that of another model, or `BW_CODE_BUSY`.

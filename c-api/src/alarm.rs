@@ -6,7 +6,7 @@ use bearing_watch::alarm::SilenceLimits;
 use crate::code::{BwCode, code};
 use crate::memory::{at, put};
 use crate::report::{BwReason, named};
-use crate::state::{BwState, Solving, Work};
+use crate::state::{BwState, OwnMonitor};
 
 /// The alarm, and what leads to it.
 #[repr(C)]
@@ -54,8 +54,8 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
     // SAFETY: the same contract.
     let found = unsafe { at(state) }.and_then(|state| {
         let limit = state.model.constants().evidence.limit;
-        state.settled(|solving| {
-            let evidence = &solving.evidence;
+        state.settled(|monitor| {
+            let evidence = monitor.evidence();
             let (segments, undetermined) = evidence.segments();
             let (raised, cause) = (evidence.alarm(), evidence.alarm().map(|alarm| alarm.cause));
             let class = match cause {
@@ -106,16 +106,14 @@ pub unsafe extern "C" fn bw_limit_silence(state: *mut BwState, segments: u32, ho
             return Err(BwCode::OutOfRange);
         }
         let limits = SilenceLimits { segments, hours };
-        state.settled(|solving| {
-            solving.evidence.limit_silence(limits);
-            solving.before.limit_silence(limits);
-        })?;
+        state.settled(|monitor| monitor.limit_silence(limits))?;
         Ok(BwCode::Ok)
     }))
 }
 
 /// Ends a run (from power-up to power-up, a session), whose segments depend on each other. Call it at power-down or
-/// where a session ends, unless the model was trained with `--segments-a-run`.
+/// where a session ends, unless the model was trained with `--segments-a-run`. A segment that is being solved is
+/// concluded first, and belongs to the run; `bw_discard` withdraws no report after it.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
@@ -123,12 +121,7 @@ pub unsafe extern "C" fn bw_limit_silence(state: *mut BwState, segments: u32, ho
 pub unsafe extern "C" fn bw_end_run(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
     let found = unsafe { at(state) };
-    let ended = found.and_then(|state| {
-        state.settled(|solving| {
-            solving.before.end_run();
-            solving.evidence.end_run()
-        })
-    });
+    let ended = found.and_then(|state| state.settled(OwnMonitor::end_run));
     code(ended.map(|_| BwCode::Ok))
 }
 
@@ -142,16 +135,13 @@ pub unsafe extern "C" fn bw_reset(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
     let found = unsafe { at(state) };
     let reset = found.and_then(|state| {
-        let all = |solving: &mut Solving| {
+        let all = |monitor: &mut OwnMonitor| {
             state.sampling.with(|detector| {
                 detector.restart();
                 state.missed.store(0, core::sync::atomic::Ordering::Relaxed);
                 // SAFETY: both halves of the state are held here.
                 unsafe { state.closed.empty(drop) };
-                solving.work = Work::Empty;
-                solving.evidence.reset();
-                solving.before.reset();
-                solving.number = 0;
+                monitor.reset();
             })
         };
         state.settled(all).flatten()

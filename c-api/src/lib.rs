@@ -45,7 +45,6 @@ mod code;
 mod front_end;
 mod memory;
 mod plan;
-mod raw_recorder;
 mod recorder;
 mod report;
 mod sampling;
@@ -79,9 +78,9 @@ pub use plan::{
     BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_FURTHER, BW_MAX_ORDERS, BW_MAX_PARAMETERS,
     BW_MAX_PROJECTION, BW_MAX_RISING, Values,
 };
-pub use raw_recorder::{BW_RAW_RECORDER_SIZE, BwRawRecorder, bw_raw_recorder_init, bw_raw_recorder_push};
 pub use recorder::{
-    BW_BLOCK_BYTES, BW_RECORDER_SIZE, BwRecorder, bw_recorder_init, bw_recorder_push, bw_recorder_skip,
+    BW_BLOCK_BYTES, BW_RAW_RECORDER_SIZE, BW_RECORDER_SIZE, BwRawRecorder, BwRecorder, bw_raw_recorder_init,
+    bw_raw_recorder_push, bw_recorder_init, bw_recorder_push, bw_recorder_skip,
 };
 pub use report::{BwPart, BwReason, BwReport, BwValues, BwVerdict, bw_report, bw_values};
 pub use sampling::{bw_angle, bw_collect, bw_discard, bw_pending, bw_restart, bw_step};

@@ -1,14 +1,17 @@
-//! Samples of the detector in blocks, from the interrupt to the main loop, which sends them as frames.
+//! Samples in blocks, from the interrupt to the main loop, which sends them as frames: those of the detector, and raw
+//! ones at the control rate.
 
 use core::ffi::c_void;
 use core::mem::offset_of;
 
 use bearing_watch::Angle;
 use bearing_watch::plan::{Plan, Signals as _};
-use bearing_watch::telemetry::Recorder;
+use bearing_watch::telemetry::{RawRecorder, Recorder};
 
 use crate::blocks::{Blocks, Gather};
 use crate::code::{BwCode, code};
+use crate::front_end::FURTHER;
+use crate::front_end::sample::{BwRawSample, read};
 use crate::memory::{Object, Tag, at, elements, put_object, room};
 use crate::plan::Own;
 use crate::state::BwState;
@@ -17,35 +20,67 @@ use crate::state::BwState;
 pub const BW_BLOCK_BYTES: usize = 480;
 /// Bytes of memory that are enough for `bw_recorder_init`, aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_RECORDER_SIZE: usize = 1152;
+/// Bytes of memory that are enough for `bw_raw_recorder_init`, aligned to `BW_STATE_ALIGN` bytes.
+pub const BW_RAW_RECORDER_SIZE: usize = 1088;
 
 const _: () = assert!(size_of::<BwRecorder>() <= BW_RECORDER_SIZE);
-
-/// What gathers the samples of a block.
-type Samples = Recorder<Own, BW_BLOCK_BYTES>;
+const _: () = assert!(size_of::<BwRawRecorder>() <= BW_RAW_RECORDER_SIZE);
 
 /// Records samples of a detector, in memory of the caller.
 #[derive(Debug)]
-pub struct BwRecorder {
+pub struct BwRecorder(Recording<Samples>);
+
+/// Records what a front end takes, in memory of the caller.
+#[derive(Debug)]
+pub struct BwRawRecorder(Recording<RawSamples>);
+
+/// What gathers the samples of a block.
+type Samples = Recorder<Own, BW_BLOCK_BYTES>;
+type RawSamples = RawRecorder<FURTHER, BW_BLOCK_BYTES>;
+
+/// What both recorders are.
+#[derive(Debug)]
+pub(crate) struct Recording<R> {
     tag: Tag,
-    /// Channels of the model.
-    channels: u8,
-    pub(crate) blocks: Blocks<Samples>,
+    /// Channels of the model, or further channels in use.
+    channels: u16,
+    blocks: Blocks<R>,
 }
 
-impl Object for BwRecorder {
-    const MARK: u32 = 0x4257_5231;
-    const PLACE_OF_TAG: usize = offset_of!(Self, tag);
-}
-
-impl Gather for Samples {
-    fn is_complete(&self) -> bool {
-        Self::is_complete(self)
-    }
-
-    fn take(&mut self) -> Self {
-        Self::take(self)
+impl<R: Gather> Recording<R> {
+    const fn new(channels: u16, block: R) -> Self {
+        Self { tag: Tag::none(), channels, blocks: Blocks::new(block) }
     }
 }
+
+/// Both recorders name these functions alike, but no trait has them.
+macro_rules! recorder {
+    ($object:ident of $samples:ident, $mark:literal) => {
+        impl Object for $object {
+            const MARK: u32 = $mark;
+            const PLACE_OF_TAG: usize = offset_of!(Self, 0.tag);
+        }
+
+        impl $object {
+            pub(crate) const fn blocks(&self) -> &Blocks<$samples> {
+                &self.0.blocks
+            }
+        }
+
+        impl Gather for $samples {
+            fn is_complete(&self) -> bool {
+                Self::is_complete(self)
+            }
+
+            fn take(&mut self) -> Self {
+                Self::take(self)
+            }
+        }
+    };
+}
+
+recorder!(BwRecorder of Samples, 0x4257_5231);
+recorder!(BwRawRecorder of RawSamples, 0x4257_5241);
 
 /// Makes a recorder of the samples of a detector in memory of the caller, and gives its address in `recorder`.
 ///
@@ -63,8 +98,8 @@ pub unsafe extern "C" fn bw_recorder_init(
     // SAFETY: the same contract.
     code(room(memory, size).and_then(|place| unsafe {
         let plan = at(state)?.model.plan();
-        let (channels, blocks) = (plan.layout().channels, Blocks::new(Samples::new(plan)));
-        put_object(place, BwRecorder { tag: Tag::none(), channels, blocks }, recorder)
+        let recording = Recording::new(plan.layout().channels.into(), Samples::new(plan));
+        put_object(place, BwRecorder(recording), recorder)
     }))
 }
 
@@ -86,12 +121,12 @@ pub unsafe extern "C" fn bw_recorder_push(
 ) -> BwCode {
     // SAFETY: the same contract.
     code(unsafe { at(recorder) }.and_then(|own| {
-        if count != usize::from(own.channels) {
+        if count != usize::from(own.0.channels) {
             return Err(BwCode::WrongChannelCount);
         }
         // SAFETY: the same contract.
         let sample = <Own as Plan>::Sample::of(unsafe { elements(values, count)? }, Angle::from_bits(angle));
-        own.blocks.push(|block| _ = block.push(&sample))
+        own.0.blocks.push(|block| _ = block.push(&sample))
     }))
 }
 
@@ -105,5 +140,58 @@ pub unsafe extern "C" fn bw_recorder_push(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_recorder_skip(recorder: *mut BwRecorder, samples: u32) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(recorder) }.and_then(|own| own.blocks.change(|block| block.skip(samples))))
+    code(unsafe { at(recorder) }.and_then(|own| own.0.blocks.change(|block| block.skip(samples))))
+}
+
+/// Makes a recorder of raw samples with so many further channels in memory of the caller, and gives its address in
+/// `recorder`. A drive that has no model yet records the traces that one is trained with.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_FRONT_END_CONTROL_RATE`, `BW_CODE_FRONT_END_FURTHER`, or what is wrong with the
+/// memory.
+///
+/// # Safety
+/// `memory` is NULL or has `size` writable bytes, which nothing else writes until the recorder is used no more.
+/// `recorder` is NULL or writable. No other function works on the recorder.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_raw_recorder_init(
+    memory: *mut c_void,
+    size: usize,
+    control_rate_hz: f32,
+    further: u16,
+    recorder: *mut *mut BwRawRecorder,
+) -> BwCode {
+    code(room(memory, size).and_then(|place| {
+        if !(control_rate_hz > 0.0 && control_rate_hz < f32::INFINITY) {
+            return Err(BwCode::FrontEndControlRate);
+        }
+        let channels = u8::try_from(further).ok().filter(|channels| usize::from(*channels) <= FURTHER);
+        let samples = RawSamples::new(control_rate_hz).with_further(channels.ok_or(BwCode::FrontEndFurther)?);
+        // SAFETY: the same contract.
+        unsafe { put_object(place, BwRawRecorder(Recording::new(further, samples)), recorder) }
+    }))
+}
+
+/// Takes a raw sample as `bw_front_end_push` takes it, in the same interrupt. A complete block waits for
+/// `bw_telemetry_raw` in the main loop, while the next one is filled.
+///
+/// Returns `BW_CODE_OK`; `BW_CODE_BLOCK` if a complete block waits now; `BW_CODE_RECORDER_FULL` if two blocks are
+/// complete: the sample is not recorded, and the receiver sees a gap; `BW_CODE_WRONG_CHANNEL_COUNT`;
+/// `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is; or `BW_CODE_BUSY`.
+///
+/// # Safety
+/// `recorder` is NULL, or was given by `bw_raw_recorder_init` or has as many readable bytes. `raw` is NULL or readable.
+/// `further` is NULL or has `count` readable values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_raw_recorder_push(
+    recorder: *mut BwRawRecorder,
+    raw: *const BwRawSample,
+    further: *const f32,
+    count: usize,
+) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { at(recorder) }.and_then(|own| {
+        // SAFETY: the same contract.
+        let raw = unsafe { read(raw, (further, count), own.0.channels)? };
+        own.0.blocks.push(|block| _ = block.push(&raw))
+    }))
 }

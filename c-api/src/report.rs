@@ -7,7 +7,7 @@ use bearing_watch::{FrictionTerm, Implausible, Kernel, Part, Reason, Report, Ver
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};
 use crate::plan::Own;
-use crate::state::{BwState, Work};
+use crate::state::BwState;
 
 /// The state of the bearing in one segment.
 #[repr(i32)]
@@ -199,14 +199,14 @@ pub unsafe extern "C" fn bw_report(state: *mut BwState, report: *mut BwReport) -
 fn summary(state: &BwState) -> Outcome<BwReport> {
     use core::sync::atomic::Ordering::Relaxed;
     let (lost_samples, lost_segments) = (state.lost_samples.load(Relaxed), state.lost_segments.load(Relaxed));
-    state.settled(|solving| {
-        let Work::Concluded(own) = &solving.work else { return Err(BwCode::NoReport) };
+    state.settled(|monitor| {
+        let own = monitor.report().ok_or(BwCode::NoReport)?;
         let counts = own.counts;
         let stuck = (0..MAX_CHANNELS).filter(|channel| counts.stuck.contains(*channel));
         let decision = own.decision.as_ref();
         let (verdict, reason) = verdict(own);
         Ok(BwReport {
-            segment: solving.evidence.segments().0,
+            segment: monitor.evidence().segments().0,
             verdict,
             class_index: decision.map_or(0, |decision| decision.class),
             place: reason.place,
@@ -334,11 +334,8 @@ unsafe fn copy(state: &BwState, what: BwValues, (values, capacity): (*mut f32, u
         }
         length = length.wrapping_add(1);
     };
-    state.settled(|solving| {
-        let Work::Concluded(report) = &solving.work else { return Err(BwCode::NoReport) };
-        list(report, what, each);
-        Ok(())
-    })??;
+    let found = state.settled(|monitor| monitor.report().map(|report| list(report, what, each)))?;
+    found.ok_or(BwCode::NoReport)?;
     // SAFETY: writable by the contract.
     unsafe { put(count, length)? };
     if length <= capacity { Ok(BwCode::Ok) } else { Err(BwCode::BufferTooSmall) }

@@ -8,8 +8,7 @@ use bearing_watch::{Angle, Detector, Segment};
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
-use crate::solving::conclude;
-use crate::state::{BwState, Solving, Work};
+use crate::state::{BwState, OwnMonitor};
 
 type Sample = <Own as Plan>::Sample;
 
@@ -102,24 +101,12 @@ fn fill_gap(state: &BwState, next: &Sample, mut take: impl FnMut(&Sample) -> Out
 #[cold]
 #[inline(never)]
 fn keep(state: &BwState, segment: Segment<Own>) -> Outcome {
-    let number = next_segment(state);
-    if state.closed.is_full() {
-        count(&state.lost_segments);
-        return Err(BwCode::SegmentLost);
-    }
-    // Before the segment is there, which the main loop takes with it.
-    state.closed_number.store(number, Ordering::Relaxed);
     // SAFETY: the caller holds the sampling half of the state, and nothing else fills the slot.
-    unsafe { state.closed.fill(segment) };
-    Ok(BwCode::Segment)
-}
-
-/// The number of a segment that closes.
-fn next_segment(state: &BwState) -> u32 {
-    // After 2³² segments from 1 on: 0 stands for none.
-    let number = state.segments.load(Ordering::Relaxed).wrapping_add(1).max(1);
-    state.segments.store(number, Ordering::Relaxed);
-    number
+    if unsafe { state.closed.fill(segment) } {
+        return Ok(BwCode::Segment);
+    }
+    count(&state.lost_segments);
+    Err(BwCode::SegmentLost)
 }
 
 /// Adds one. By load and store: only the holder of the part counts, and a lost count would only be a lost count.
@@ -142,17 +129,13 @@ pub unsafe extern "C" fn bw_step(state: *mut BwState, values: *const f32, count:
 }
 
 fn step(state: &BwState, sample: &Sample) -> Outcome {
-    let step = |solving: &mut Solving| {
+    let step = |monitor: &mut OwnMonitor| {
         // A segment of `bw_collect` is older, and has to be concluded first.
-        if state.closed.is_full() || matches!(solving.work, Work::Solving(_)) {
+        if state.closed.is_full() || monitor.is_solving() {
             return Err(BwCode::Busy);
         }
-        let mut take = |detector: &mut Detector<'static, Own>, sample: &Sample| match detector.step(sample) {
-            Some(report) => {
-                solving.number = next_segment(state);
-                conclude(state, solving, report);
-                BwCode::Report
-            }
+        let mut take = |detector: &mut Detector<'static, Own>, sample: &Sample| match monitor.step(detector, sample) {
+            Some(_) => BwCode::Report,
             None => BwCode::Ok,
         };
         state.sampling.with(|detector| {
@@ -198,12 +181,11 @@ pub unsafe extern "C" fn bw_discard(state: *mut BwState, before_in_doubt: *mut u
     // SAFETY: the same contract.
     let in_doubt = unsafe { at(state) }.and_then(|state| {
         state.sampling.with(|detector| {
-            let in_doubt = detector.is_in_first_half();
-            detector.discard();
-            if in_doubt {
-                state.doubted.store(state.segments.load(Ordering::Relaxed), Ordering::Relaxed);
+            let doubted = detector.discard();
+            if let Some(number) = doubted {
+                state.doubted.store(number, Ordering::Relaxed);
             }
-            in_doubt
+            doubted.is_some()
         })
     });
     let told = |in_doubt: bool| {

@@ -37,13 +37,13 @@ pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: 
         }
         // SAFETY: writable by the contract; no other reference to them exists during this call.
         let buffer = unsafe { elements_mut(bytes, state.model.saved_len()) }?;
-        state.settled(|solving| state.model.save(&solving.evidence, None, buffer))?.map_err(refusal)?;
+        state.settled(|monitor| state.model.save(monitor.evidence(), monitor.baseline(), buffer))?.map_err(refusal)?;
         Ok(BwCode::Ok)
     }))
 }
 
-/// Continues from the alarm, scores and trend that `bw_save` wrote, for this model. In case of an error nothing
-/// changes.
+/// Continues from the alarm, scores and trend that `bw_save` wrote, for this model; there is no report then, and a
+/// segment that was being solved is left out. In case of an error nothing changes.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_SAVED_STATE` if the bytes are not a saved state of this version or are corrupted,
 /// `BW_CODE_OTHER_MODEL` if they are that of another model, or `BW_CODE_BUSY`.
@@ -57,14 +57,8 @@ pub unsafe extern "C" fn bw_restore(state: *mut BwState, bytes: *const u8, lengt
     code(unsafe { at(state) }.and_then(|state| {
         // SAFETY: the same contract.
         let bytes = unsafe { elements(bytes, length) }?;
-        let restored = state.settled(|solving| {
-            state.model.restore(bytes, &mut solving.evidence, None)?;
-            // The report that is there is not in it.
-            solving.before.clone_from(&solving.evidence);
-            solving.number = 0;
-            Ok(BwCode::Ok)
-        })?;
-        restored.map_err(refusal)
+        state.settled(|monitor| monitor.restore(bytes))?.map_err(refusal)?;
+        Ok(BwCode::Ok)
     }))
 }
 

@@ -1,13 +1,8 @@
 //! What the main loop calls: a closed segment → its report.
 
-use core::sync::atomic::Ordering;
-
-use bearing_watch::{Report, Solver};
-
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::at;
-use crate::plan::Own;
-use crate::state::{BwState, Solving, Work};
+use crate::state::{BwState, OwnMonitor};
 
 /// Does a bounded piece of the solve of the closed segment; call it again and again in the main loop. The first piece
 /// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report, unless
@@ -21,7 +16,7 @@ use crate::state::{BwState, Solving, Work};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_advance(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| state.settled(|solving| advance(state, solving)).flatten()))
+    code(unsafe { at(state) }.and_then(|state| state.settled(|monitor| advance(state, monitor))))
 }
 
 /// Solves the closed segment as a whole, or what `bw_advance` has left of it, with the same bits.
@@ -33,51 +28,29 @@ pub unsafe extern "C" fn bw_advance(state: *mut BwState) -> BwCode {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_conclude(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| state.settled(|solving| all(state, solving)).flatten()))
+    code(unsafe { at(state) }.and_then(|state| state.settled(|monitor| conclude(state, monitor))))
 }
 
 /// Takes the closed segment, if none is being solved.
-fn take(state: &'static BwState, solving: &mut Solving) {
-    if !matches!(solving.work, Work::Solving(_)) {
-        // SAFETY: the caller holds the solving half of the state.
-        unsafe {
-            state.closed.empty(|segment| {
-                solving.number = state.closed_number.load(Ordering::Relaxed);
-                solving.work = Work::Solving(Solver::new(&state.model, segment));
-            });
-        }
+fn take(state: &BwState, monitor: &mut OwnMonitor) {
+    if !monitor.is_solving() {
+        // SAFETY: the caller holds the main loop's half of the state.
+        unsafe { state.closed.empty(|segment| monitor.take(segment)) };
     }
 }
 
-fn advance(state: &'static BwState, solving: &mut Solving) -> Outcome {
-    take(state, solving);
-    let Work::Solving(solver) = &mut solving.work else { return Ok(BwCode::Idle) };
-    // Nothing is left to be solved then: the rest only moves the report.
-    if solver.advance().is_some() { finish(state, solving) } else { Ok(BwCode::Ok) }
-}
-
-fn all(state: &'static BwState, solving: &mut Solving) -> Outcome {
-    take(state, solving);
-    finish(state, solving)
-}
-
-fn finish(state: &BwState, solving: &mut Solving) -> Outcome {
-    match core::mem::replace(&mut solving.work, Work::Empty) {
-        Work::Solving(solver) => conclude(state, solving, solver.finish()),
-        other => {
-            solving.work = other;
-            return Ok(BwCode::Idle);
-        }
+fn advance(state: &BwState, monitor: &mut OwnMonitor) -> BwCode {
+    take(state, monitor);
+    match (monitor.is_solving(), monitor.advance()) {
+        (_, Some(_)) => BwCode::Report,
+        (true, None) => BwCode::Ok,
+        (false, None) => BwCode::Idle,
     }
-    Ok(BwCode::Report)
 }
 
-/// Keeps a report, after the evidence has taken its outcome. One that is in doubt already is withdrawn at once.
-pub(crate) fn conclude(state: &BwState, solving: &mut Solving, report: Report<Own>) {
-    solving.before.clone_from(&solving.evidence);
-    solving.evidence.observe_outcome(report.outcome());
-    solving.work = Work::Concluded(report);
-    solving.withdraw(&state.doubted);
+fn conclude(state: &BwState, monitor: &mut OwnMonitor) -> BwCode {
+    take(state, monitor);
+    monitor.complete().map_or(BwCode::Idle, |_| BwCode::Report)
 }
 
 /// Makes the estimate of the report the auxiliary model of instrumental variables, or of least squares with less weight
@@ -91,11 +64,11 @@ pub(crate) fn conclude(state: &BwState, solving: &mut Solving, report: Report<Ow
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_adopt(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| state.settled(|solving| adopt(state, solving)).flatten()))
+    code(unsafe { at(state) }.and_then(|state| state.settled(|monitor| adopt(state, monitor)).flatten()))
 }
 
-fn adopt(state: &BwState, solving: &Solving) -> Outcome {
-    let Work::Concluded(report) = &solving.work else { return Err(BwCode::NoReport) };
+fn adopt(state: &BwState, monitor: &OwnMonitor) -> Outcome {
+    let report = monitor.report().ok_or(BwCode::NoReport)?;
     let adopted = state.sampling.with(|detector| detector.adopt(report))?;
     Ok(if adopted { BwCode::Ok } else { BwCode::NotAdopted })
 }

@@ -8,9 +8,10 @@
 use core::cell::UnsafeCell;
 use core::ffi::c_void;
 use core::mem::{ManuallyDrop, MaybeUninit, offset_of};
+use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use bearing_watch::{Detector, Evidence, Model, Report, Segment, Solver};
+use bearing_watch::{Detector, Model, Monitor, Segment};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{BW_STATE_ALIGN, Object, Tag, check, elements, put, room};
@@ -25,22 +26,38 @@ const _: () = assert!(align_of::<BwState>() <= BW_STATE_ALIGN);
 
 /// A detector of one drive, in memory of the caller.
 #[derive(Debug)]
-pub struct BwState {
+pub struct BwState(Halves);
+
+/// In this order: short loads of the interrupt reach what it works on.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Halves {
     tag: Tag,
     /// Samples that were lost because a function was busy, and segments that were not taken.
     pub(crate) lost_samples: AtomicU32,
     pub(crate) lost_segments: AtomicU32,
     /// Samples lost since the last one that the detector took, which must know of the gap.
     pub(crate) missed: AtomicU32,
-    /// Numbers of segments, from 1 on: of the last one that has closed, of the one in `closed`, and of the one whose
-    /// report `bw_discard` has put in doubt.
-    pub(crate) segments: AtomicU32,
-    pub(crate) closed_number: AtomicU32,
+    /// Number of the segment that `bw_discard` has put in doubt; [`NO_SEGMENT`] at first.
     pub(crate) doubted: AtomicU32,
-    pub(crate) model: Model<Own>,
     pub(crate) sampling: Lock<Detector<'static, Own>>,
+    pub(crate) model: Model<Own>,
     pub(crate) closed: Slot<Segment<Own>>,
-    pub(crate) solving: Lock<Solving>,
+    pub(crate) solving: Lock<OwnMonitor>,
+}
+
+/// What the main loop works on.
+pub(crate) type OwnMonitor = Monitor<'static, Own>;
+
+/// No segment has this number.
+const NO_SEGMENT: u32 = u32::MAX;
+
+impl Deref for BwState {
+    type Target = Halves;
+
+    fn deref(&self) -> &Halves {
+        &self.0
+    }
 }
 
 impl BwState {
@@ -48,56 +65,17 @@ impl BwState {
     ///
     /// # Errors
     /// [`BwCode::Busy`].
-    pub(crate) fn settled<R>(&self, work: impl FnOnce(&mut Solving) -> R) -> Outcome<R> {
-        self.solving.with(|solving| {
-            solving.withdraw(&self.doubted);
-            work(solving)
+    pub(crate) fn settled<R>(&self, work: impl FnOnce(&mut OwnMonitor) -> R) -> Outcome<R> {
+        self.solving.with(|monitor| {
+            monitor.withdraw(self.doubted.load(Ordering::Relaxed));
+            work(monitor)
         })
     }
 }
 
 impl Object for BwState {
     const MARK: u32 = 0x4257_4331;
-    const PLACE_OF_TAG: usize = offset_of!(Self, tag);
-}
-
-/// What the main loop works on.
-#[derive(Debug)]
-pub(crate) struct Solving {
-    pub(crate) work: Work,
-    pub(crate) evidence: Evidence<Own>,
-    /// The evidence before the report of `work`, in case that is withdrawn.
-    pub(crate) before: Evidence<Own>,
-    /// Number of the segment of `work`; 0 if it is withdrawn or there is none.
-    pub(crate) number: u32,
-}
-
-impl Solving {
-    const fn new(evidence: Evidence<Own>, before: Evidence<Own>) -> Self {
-        Self { work: Work::Empty, evidence, before, number: 0 }
-    }
-
-    /// Withdraws the report if its segment is in doubt meanwhile: the evidence is that without it.
-    pub(crate) fn withdraw(&mut self, doubted: &AtomicU32) {
-        if self.number == 0 || self.number != doubted.load(Ordering::Relaxed) {
-            return;
-        }
-        if let Work::Concluded(report) = &mut self.work {
-            report.doubt();
-            self.evidence.clone_from(&self.before);
-            self.evidence.observe_outcome(report.outcome());
-            self.number = 0;
-        }
-    }
-}
-
-/// The solve of a segment, and afterwards its report, in the same memory.
-#[derive(Debug)]
-#[expect(clippy::large_enum_variant, reason = "there is no allocator")]
-pub(crate) enum Work {
-    Empty,
-    Solving(Solver<'static, Own>),
-    Concluded(Report<Own>),
+    const PLACE_OF_TAG: usize = offset_of!(Self, 0.tag);
 }
 
 /// A value that one function at a time works on; others are refused, not made to wait.
@@ -223,15 +201,14 @@ unsafe fn init(
     // never changed, and stays where it is as long as the detector that borrows it: both are in this memory.
     unsafe {
         place_model(own, elements(model, length)?)?;
-        (&raw mut (*own).lost_samples).write(AtomicU32::new(0));
-        (&raw mut (*own).lost_segments).write(AtomicU32::new(0));
-        (&raw mut (*own).missed).write(AtomicU32::new(0));
-        (&raw mut (*own).segments).write(AtomicU32::new(0));
-        (&raw mut (*own).closed_number).write(AtomicU32::new(0));
-        (&raw mut (*own).doubted).write(AtomicU32::new(0));
-        place_detector(own, &(*own).model);
-        place_solving(own, &(*own).model);
-        (*own).tag.set(own);
+        (&raw mut (*own).0.lost_samples).write(AtomicU32::new(0));
+        (&raw mut (*own).0.lost_segments).write(AtomicU32::new(0));
+        (&raw mut (*own).0.missed).write(AtomicU32::new(0));
+        (&raw mut (*own).0.doubted).write(AtomicU32::new(NO_SEGMENT));
+        (&raw mut (*own).0.closed).write(Slot::new());
+        place_detector(own, &(*own).0.model);
+        place_monitor(own, &(*own).0.model);
+        (*own).0.tag.set(own);
         put(state, own)?;
     }
     Ok(BwCode::Ok)
@@ -247,8 +224,8 @@ unsafe fn place_model(own: *mut BwState, bytes: &[u8]) -> Outcome<()> {
             // SAFETY: the contract of the caller; the other model is neither used nor dropped after this. To take it out
             // of the result would move it once more on the stack.
             unsafe {
-                (&raw mut (*own).tag).write(Tag::none());
-                (&raw mut (*own).model).copy_from_nonoverlapping(model, 1);
+                (&raw mut (*own).0.tag).write(Tag::none());
+                (&raw mut (*own).0.model).copy_from_nonoverlapping(model, 1);
             }
             Ok(())
         }
@@ -259,14 +236,11 @@ unsafe fn place_model(own: *mut BwState, bytes: &[u8]) -> Outcome<()> {
 #[inline(never)]
 unsafe fn place_detector(own: *mut BwState, model: &'static Model<Own>) {
     // SAFETY: the contract of the caller.
-    unsafe { (&raw mut (*own).sampling).write(Lock::new(Detector::new(model))) };
+    unsafe { (&raw mut (*own).0.sampling).write(Lock::new(Detector::new(model))) };
 }
 
 #[inline(never)]
-unsafe fn place_solving(own: *mut BwState, model: &'static Model<Own>) {
+unsafe fn place_monitor(own: *mut BwState, model: &'static Model<Own>) {
     // SAFETY: the contract of the caller.
-    unsafe {
-        (&raw mut (*own).closed).write(Slot::new());
-        (&raw mut (*own).solving).write(Lock::new(Solving::new(model.evidence(), model.evidence())));
-    }
+    unsafe { (&raw mut (*own).0.solving).write(Lock::new(Monitor::new(model))) };
 }

@@ -9,9 +9,8 @@ use bearing_watch::telemetry::{Encoder, RawEncoder, Source, TooSmall};
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{Object, Tag, at, check, elements_mut, put, put_object, room};
 use crate::plan::{BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_FEATURES, BW_MAX_ORDERS, Own};
-use crate::raw_recorder::BwRawRecorder;
-use crate::recorder::{BW_BLOCK_BYTES, BwRecorder};
-use crate::state::{BwState, Lock, Work};
+use crate::recorder::{BW_BLOCK_BYTES, BwRawRecorder, BwRecorder};
+use crate::state::{BwState, Lock};
 
 /// Bytes of memory that are enough for `bw_telemetry_init`, aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_TELEMETRY_SIZE: usize = 48;
@@ -128,9 +127,9 @@ pub unsafe extern "C" fn bw_telemetry_report(
 ) -> BwCode {
     let report = |line: &mut Line, buffer: &mut [u8]| {
         let Line::Model(state, encoder) = line else { return Err(BwCode::NotInitialised) };
-        state.settled(|solving| {
-            let Work::Concluded(report) = &solving.work else { return Err(BwCode::NoReport) };
-            written(encoder.report(report, &solving.evidence, buffer))
+        state.settled(|monitor| {
+            let report = monitor.report().ok_or(BwCode::NoReport)?;
+            written(encoder.report(report, monitor.evidence(), buffer))
         })?
     };
     // SAFETY: the same contract.
@@ -156,7 +155,7 @@ pub unsafe extern "C" fn bw_telemetry_samples(
     // SAFETY: the same contract.
     code(unsafe { at(recorder) }.and_then(|recorder| {
         let samples = |line: &mut Line, buffer: &mut [u8]| match line {
-            Line::Model(_, encoder) => recorder.blocks.serve(|own| written(encoder.samples(&own.block(), buffer))),
+            Line::Model(_, encoder) => recorder.blocks().serve(|own| written(encoder.samples(&own.block(), buffer))),
             Line::Raw(_) => Err(BwCode::NotInitialised),
         };
         // SAFETY: the same contract.
@@ -182,7 +181,7 @@ pub unsafe extern "C" fn bw_telemetry_raw(
     // SAFETY: the same contract.
     code(unsafe { at(recorder) }.and_then(|recorder| {
         let raw = |line: &mut Line, buffer: &mut [u8]| {
-            recorder.blocks.serve(|own| {
+            recorder.blocks().serve(|own| {
                 written(match line {
                     Line::Model(_, encoder) => encoder.raw(&own.block(), buffer),
                     Line::Raw(encoder) => encoder.raw(&own.block(), buffer),

@@ -102,6 +102,21 @@ fn a_segment_of_which_half_has_passed_and_one_that_was_lost_do_not_doubt_another
 }
 
 #[test]
+fn the_last_report_of_a_run_that_has_ended_stands() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    assert_eq!(take(state, SEGMENT, false), BwCode::Segment);
+    // SAFETY: the state is initialised.
+    unsafe {
+        assert_eq!(bw_advance(state), BwCode::Ok);
+        assert_eq!(bw_end_run(state), BwCode::Ok);
+        assert_eq!([bw_advance(state), bw_conclude(state)], [BwCode::Idle; 2], "the solve was finished");
+    }
+    assert_eq!(told(state), GOOD);
+    assert_eq!((discard(state), told(state)), (1, GOOD));
+}
+
+#[test]
 fn verdicts_that_are_missing_for_too_long_are_told_with_their_reason() {
     let mut memory = Memory::new();
     let state = memory.state(FILE).expect("good model");

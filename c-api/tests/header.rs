@@ -18,7 +18,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 17] = [
+const SOURCES: [&str; 16] = [
     "code",
     "plan",
     "signature",
@@ -33,7 +33,6 @@ const SOURCES: [&str; 17] = [
     "calibration",
     "wiring",
     "recorder",
-    "raw_recorder",
     "telemetry",
     "about",
 ];

@@ -1,5 +1,5 @@
 //! Through the C functions the detector gives the bits of the Rust detector with its plan fixed when compiling: at
-//! once, deferred as a whole, and by pieces.
+//! once, deferred as a whole, and in steps.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::expect_used,
@@ -39,7 +39,7 @@ use support::{Memory, bytes, channels, values};
 enum Way {
     AtOnce,
     Whole,
-    Pieces,
+    Steps,
 }
 
 /// Takes a sample; returns whether there is a new report.
@@ -57,8 +57,8 @@ fn take(state: *mut BwState, way: Way, channels: &[f32], angle: u32) -> bool {
         if way == Way::Whole {
             assert_eq!(bw_conclude(state), BwCode::Report);
         } else {
-            let pieces = (1..).take_while(|_| bw_advance(state) == BwCode::Ok).count();
-            assert!(pieces > 10, "{pieces}");
+            let steps = (1..).take_while(|_| bw_advance(state) == BwCode::Ok).count();
+            assert!(steps > 10, "{steps}");
         }
         assert!(matches!(bw_adopt(state), BwCode::Ok | BwCode::NotAdopted));
     }
@@ -143,7 +143,7 @@ fn compare<P: Plan>(model: &Model<P>, samples: impl Iterator<Item = P::Sample>) 
     let bytes = bytes(model);
     let mut memories = [(); 3].map(|()| Memory::new());
     let [first, second, third] = &mut memories;
-    let ways = [(Way::AtOnce, first), (Way::Whole, second), (Way::Pieces, third)]
+    let ways = [(Way::AtOnce, first), (Way::Whole, second), (Way::Steps, third)]
         .map(|(way, memory)| (way, memory.state(&bytes).expect("a model that fits")));
     let (mut detector, mut evidence, mut reports) = (Detector::new(model), model.evidence(), 0);
     for sample in samples {

@@ -53,7 +53,7 @@ impl Watch {
         Self { monitor: Monitor::new(&MODEL), segments: 0 }
     }
 
-    /// Does a piece of the solve of a segment. The last piece gives the report to `adopt` and prints it, where a drive
+    /// Does a step of the solve of a segment. The last step gives the report to `adopt` and prints it, where a drive
     /// sends it.
     pub fn advance<T>(&mut self, adopt: impl FnOnce(&Report<Drive>) -> T) {
         if let Some(now) = self.monitor.advance() {

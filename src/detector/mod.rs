@@ -11,11 +11,13 @@
 //! [`Detector::step`], which does all of it.
 
 mod commissioning;
+mod following;
 mod monitor;
 mod sequence;
 mod solver;
 mod verdict;
 
+pub use following::{Following, Surroundings};
 pub use monitor::{Conclusion, Monitor};
 pub use solver::Segment;
 #[cfg(any(test, feature = "internals"))]
@@ -188,17 +190,23 @@ impl<'m, P: Plan> Detector<'m, P> {
     #[cold]
     #[inline(never)]
     fn close(&mut self) -> Option<Report<P>> {
-        let (plan, constants) = (self.model.plan(), self.model.constants());
-        let mut report = Some(Report::empty(plan));
+        let mut report = Some(Report::empty(self.model.plan()));
         if let Some(report) = &mut report {
             self.segment(true).solve(self.model, report);
-            let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
-            if let (Some(estimator), Some(regression), Some(estimate)) = parts {
-                estimator.offer(plan, regression, estimate);
-            }
+            self.offer(report);
         }
         self.next_segment();
         report
+    }
+
+    /// Offers the estimate of the open segment as auxiliary model of the next one, before it is closed.
+    fn offer(&mut self, report: &Report<P>) {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
+        let (Some(estimator), Some(regression), Some(estimate)) = parts else { return };
+        if report.model == self.model.mark() {
+            estimator.offer(plan, regression, estimate);
+        }
     }
 
     #[inline(always)]
@@ -248,16 +256,15 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// has a verdict if half of it follows this call and is usable. Fading memory begins anew.
     ///
     /// In the first half of the segment, the fault may have begun in the segment before: [`Monitor`] then
-    /// takes the report of that one out of its evidence again.
+    /// takes the report of that one out of its evidence again, with the segment or by [`Monitor::withdraw`] before it.
+    /// Returns the number of the segment that is in doubt.
     #[cold]
     #[inline(never)]
-    pub fn discard(&mut self) {
+    pub fn discard(&mut self) -> Option<u32> {
         // The open block of a mean keeps its place among the samples, and is spoilt.
         self.spoiled = !self.block.is_empty();
         self.renew();
-        if self.is_in_first_half() {
-            self.sequence.doubt();
-        }
+        self.is_in_first_half().then(|| self.sequence.doubt())
     }
 
     /// Whether less than half of the open segment has passed: what is found late may then have begun in the one before.

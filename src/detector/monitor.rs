@@ -12,6 +12,8 @@
 //! the one before. The monitor keeps the evidence from before each report until the next segment, and takes the report
 //! out again if that one puts it in doubt.
 
+use super::Detector;
+use super::following::{Following, Surroundings};
 use super::sequence::Sequence;
 use super::solver::{Segment, Solve};
 use super::verdict;
@@ -19,7 +21,7 @@ use crate::alarm::baseline::BaselineConstants;
 use crate::alarm::evidence::{Alarm, Evidence};
 use crate::alarm::{Baseline, Silence, SilenceLimits, StateError, Trend};
 use crate::model::Model;
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::Plan;
 use crate::report::Report;
 
 /// The main loop's half of a detector: it solves closed segments and gathers the evidence for an alarm.
@@ -38,6 +40,8 @@ use crate::report::Report;
 /// }
 /// # }
 /// ```
+///
+/// A program without interrupts calls [`Monitor::step`], which works on both halves.
 ///
 /// The evidence takes each report once, from the monitor alone:
 ///
@@ -60,14 +64,13 @@ use crate::report::Report;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Monitor<'m, P: Plan> {
+pub struct Monitor<'m, P: Plan, S = ()> {
     model: &'m Model<P>,
     evidence: Evidence<P>,
     /// The evidence without the report, in case that is withdrawn.
     evidence_before: Evidence<P>,
-    baseline: Option<Baseline<P>>,
-    /// Offset of the baseline, and whether it is at its bound, before the report moved it.
-    offset_before: (Array<P::Coordinates, f32>, bool),
+    /// Without a baseline, `()`, it has neither memory nor instructions for one.
+    surroundings: S,
     segment: Option<Segment<P>>,
     solve: Solve<P>,
     report: Report<P>,
@@ -108,8 +111,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
             model,
             evidence: model.evidence(),
             evidence_before: model.evidence(),
-            baseline: None,
-            offset_before: (Cells::filled(plan.layout().coordinates as usize, 0.0), false),
+            surroundings: (),
             segment: None,
             solve: Solve::new(plan),
             report: Report::empty(plan),
@@ -121,9 +123,30 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// With a baseline that follows slow changes of the healthy drive. Without a healthy class in the model, or with a
     /// constant out of range, there is none.
     #[must_use]
-    pub fn following(mut self, constants: BaselineConstants) -> Self {
-        self.baseline = self.model.baseline(constants);
-        self
+    pub fn following(self, constants: BaselineConstants) -> Monitor<'m, P, Following<P>> {
+        let Self { model, evidence, evidence_before, surroundings: (), segment, solve, report, work, sequence } = self;
+        let surroundings = Following::new(model, constants);
+        Monitor { model, evidence, evidence_before, surroundings, segment, solve, report, work, sequence }
+    }
+}
+
+impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
+    /// Takes one sample for both halves, in a program without interrupts; returns the conclusion with the sample that
+    /// closes a segment. That sample costs the whole solve. The estimate takes over as auxiliary model, if there is
+    /// one.
+    #[inline]
+    pub fn step(&mut self, detector: &mut Detector<'_, P>, sample: &P::Sample) -> Option<Conclusion<'_, P>> {
+        if detector.take(sample) { Some(self.close(detector)) } else { None }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn close(&mut self, detector: &mut Detector<'_, P>) -> Conclusion<'_, P> {
+        self.take(detector.segment(true));
+        self.solve_rest();
+        detector.offer(&self.report);
+        detector.next_segment();
+        self.conclusion()
     }
 
     /// Sets other limits for the silence than [`SilenceLimits::USUAL`].
@@ -136,7 +159,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// [`Monitor::advance`].
     pub fn conclude(&mut self, segment: Segment<P>) -> Conclusion<'_, P> {
         self.take(segment);
-        self.finish();
+        self.solve_rest();
         self.conclusion()
     }
 
@@ -166,8 +189,15 @@ impl<'m, P: Plan> Monitor<'m, P> {
         Some(self.conclusion())
     }
 
-    /// Solves what is left of the segment.
-    fn finish(&mut self) {
+    /// Does what [`Monitor::advance`] has left to do; returns the conclusion, and `None` where there is nothing to solve.
+    pub fn complete(&mut self) -> Option<Conclusion<'_, P>> {
+        self.is_solving().then(|| {
+            self.solve_rest();
+            self.conclusion()
+        })
+    }
+
+    fn solve_rest(&mut self) {
         let (Work::Solving, Some(segment)) = (self.work, &mut self.segment) else { return };
         self.solve.run(self.model, segment, &mut self.report);
         self.judge();
@@ -176,12 +206,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Gives the report to the evidence, relative to the baseline, if there is one.
     fn judge(&mut self) {
         self.work = Work::Doubtable;
-        if let Some(baseline) = &mut self.baseline {
-            let (offset, at_bound) = &mut self.offset_before;
-            offset.cells_mut().iter_mut().zip(baseline.offset()).for_each(|(cell, x)| *cell = *x);
-            *at_bound = baseline.at_bound();
-            self.model.follow(baseline, &mut self.report);
-        }
+        self.surroundings.follow(self.model, &mut self.report);
         verdict::log(self.model, &self.report);
         self.evidence_before.clone_from(&self.evidence);
         self.evidence.observe_outcome(self.report.outcome());
@@ -189,16 +214,24 @@ impl<'m, P: Plan> Monitor<'m, P> {
 
     /// Withdraws the report if it is in doubt: baseline and evidence are as without it.
     fn settle(&mut self, doubtful: bool) {
-        self.finish();
+        self.solve_rest();
         if self.work == Work::Doubtable && doubtful {
             self.report.doubt();
-            if let Some(baseline) = &mut self.baseline {
-                baseline.restore(self.offset_before.0.cells(), self.offset_before.1);
-            }
+            self.surroundings.undo();
             self.evidence.clone_from(&self.evidence_before);
             self.evidence.observe_outcome(self.report.outcome());
         }
         self.work = Work::Settled;
+    }
+
+    /// Withdraws the report of the segment with this number, which [`Detector::discard`] has returned; returns whether
+    /// there is one that may be withdrawn. The next segment does it too, but comes later.
+    pub fn withdraw(&mut self, number: u32) -> bool {
+        let withdrawn = self.work == Work::Doubtable && self.sequence.is(number);
+        if withdrawn {
+            self.settle(true);
+        }
+        withdrawn
     }
 
     fn conclusion(&self) -> Conclusion<'_, P> {
@@ -243,8 +276,8 @@ impl<'m, P: Plan> Monitor<'m, P> {
 
     /// The baseline, if it has one.
     #[must_use]
-    pub const fn baseline(&self) -> Option<&Baseline<P>> {
-        self.baseline.as_ref()
+    pub fn baseline(&self) -> Option<&Baseline<P>> {
+        self.surroundings.baseline()
     }
 
     /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend. The baseline stays.
@@ -265,7 +298,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// [`StateError::BufferTooSmall`].
     pub fn save(&mut self, buffer: &mut [u8]) -> Result<usize, StateError> {
         self.end_run();
-        self.model.save(&self.evidence, self.baseline.as_ref(), buffer)
+        self.model.save(&self.evidence, self.baseline(), buffer)
     }
 
     /// Continues from a saved state of this model. Nothing changes in case of an error.
@@ -273,7 +306,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// # Errors
     /// As [`Model::restore`].
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), StateError> {
-        self.model.restore(bytes, &mut self.evidence, self.baseline.as_mut())?;
+        self.model.restore(bytes, &mut self.evidence, self.surroundings.baseline_mut())?;
         (self.work, self.segment) = (Work::Settled, None);
         Ok(())
     }

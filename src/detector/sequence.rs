@@ -7,9 +7,15 @@
 pub(super) struct Sequence(u32);
 
 impl Sequence {
-    /// The segment before is in doubt.
-    pub(super) const fn doubt(&mut self) {
+    /// The segment before is in doubt; returns its number.
+    pub(super) const fn doubt(&mut self) -> u32 {
         self.0 |= 1;
+        (self.0 >> 1).wrapping_sub(1) & (u32::MAX >> 1)
+    }
+
+    /// Whether it has this number.
+    pub(super) const fn is(self, number: u32) -> bool {
+        self.0 >> 1 == number
     }
 
     /// It is not.
@@ -40,10 +46,11 @@ mod tests {
     #[test]
     fn only_the_segment_before_is_put_in_doubt() {
         let first = Sequence(u32::MAX - 1);
-        let (mut second, third) = (first.next(), first.next().next());
+        let (mut second, mut third) = (first.next(), first.next().next());
         assert_eq!((second, third), (Sequence(0), Sequence(2)));
         assert!(!second.doubts_that(first));
-        second.doubt();
+        assert!(first.is(second.doubt()) && second.is(third.doubt()));
+        third.trust();
         assert!(second.doubts_that(first) && !second.doubts_that(third) && !second.doubts_that(second));
         assert_eq!(second.next(), third, "a doubt is of one segment");
         second.trust();

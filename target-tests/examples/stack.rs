@@ -12,8 +12,8 @@ mod model;
 use core::hint::black_box;
 
 #[cfg(target_os = "none")]
-#[cfg(target_os = "none")]
 use bearing_watch::plan::Plan;
+#[cfg(target_os = "none")]
 use bearing_watch::{Detector, Model, Monitor, Verdict};
 #[cfg(target_os = "none")]
 use support::paint::stack_of;
@@ -46,7 +46,8 @@ fn run() {
     depths("stack, detector with shaft of 4 orders", &shaft::MODEL, || plant.motion().into());
 }
 
-/// Prints bytes of a sample inside a segment, and of the one that ends it; by `collect`, of `conclude`, and of a piece.
+/// Prints bytes of a sample inside a segment, and of the one that ends it; by `collect`, of `conclude`, and of a step of the
+/// solve.
 #[cfg(target_os = "none")]
 fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::Sample) {
     let model = black_box(model);

@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! control  interrupt, every control period   row ─► FrontEnd ─► Sample ─► Detector::collect ─► CLOSED
-//! main     task of the thread executor       CLOSED ─► Solver::advance, a piece at a time ─► adopt, evidence, alarm
+//! main     task of the thread executor       CLOSED ─► Monitor::advance, a step at a time ─► adopt, evidence, alarm
 //! ```
 //!
-//! Between two pieces other tasks run. `cargo xtask frameworks` runs it in the emulator.
+//! Between two steps other tasks run. `cargo xtask frameworks` runs it in the emulator.
 
 #![no_std]
 #![no_main]
@@ -82,7 +82,7 @@ async fn main(_spawner: Spawner) {
     let mut watch = Watch::new();
     while let Some(segment) = CLOSED.receive().await {
         watch.monitor.take(segment);
-        // By pieces, between which other tasks run.
+        // By steps, between which other tasks run.
         while watch.monitor.is_solving() {
             watch.advance(|report| masked(|control| control.sampler.detector.adopt(report)));
             yield_now().await;

@@ -150,9 +150,9 @@ fn estimates_of_other_segments_are_refused_and_errors_stay() {
     run(&mut stream, 0);
     (0..5).for_each(|_| stream.step(&Inputs { y: 1.0, u1: 0.0, u2: 0.0 }));
     let detached = stream.estimator.detach();
-    let mut pieces = stream.estimator.pieces(detached);
+    let mut steps = stream.estimator.steps(detached);
     for _ in 0..2 {
-        let estimate = pieces.advance(&setup.constants).expect("nothing is solved");
+        let estimate = steps.advance(&setup.constants).expect("nothing is solved");
         assert_eq!(estimate.reason, Some(Reason::Stuck { channel: 0 }));
     }
 }

@@ -23,7 +23,7 @@ fn refusal(report: &Report<RunTime>) -> Option<Implausible> {
     }
 }
 
-/// The reports of a segment at once, deferred, and by pieces.
+/// The reports of a segment at once, deferred, and in steps.
 fn three_ways(model: &Model<RunTime>, motions: &[Motion]) -> [Report<RunTime>; 3] {
     let channels = model.constants().channels.len();
     let mut at_once = Detector::new(model);
@@ -33,12 +33,12 @@ fn three_ways(model: &Model<RunTime>, motions: &[Motion]) -> [Report<RunTime>; 3
         let sample = motion.sample(channels);
         if let (Some(report), Some(segment)) = (at_once.step(&sample), deferred.collect(&sample)) {
             let mut solver = Solver::new(model, segment.clone());
-            let pieces = loop {
+            let steps = loop {
                 if let Some(report) = solver.advance() {
                     break report.clone();
                 }
             };
-            found = Some([report, conclude(model, segment), pieces]);
+            found = Some([report, conclude(model, segment), steps]);
         }
     }
     found.expect("a whole segment")

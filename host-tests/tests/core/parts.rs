@@ -214,23 +214,23 @@ fn a_stuck_channel_costs_only_the_features_of_parts_that_use_it() {
     assert_eq!(found, (Verdict::Undetermined(reason), Some(reason), Some(reason), [true, false, false, false]));
 }
 
-/// Solved with the last sample, as a whole after it, and by pieces, one a sample.
+/// Solved with the last sample, as a whole after it, and in steps, one a sample.
 fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::Sample) {
     let mut inline = Detector::new(model);
-    let (mut whole, mut pieces) = (inline.clone(), inline.clone());
+    let (mut whole, mut steps) = (inline.clone(), inline.clone());
     let (mut solver, mut expected, mut count, mut most) = (None::<Solver<'_, P>>, None, 0, 0);
     for (t, motion) in recording().iter().cycle().take(20_290).enumerate() {
         let sample = sample(motion);
         if let Some(report) = solver.as_mut().and_then(|solver| solver.advance()) {
             assert_eq!(Some(report), expected.as_ref());
-            assert!(pieces.adopt(report));
+            assert!(steps.adopt(report));
             (solver, count, most) = (None, count + 1, most.max(t % 5000));
         }
         let report = inline.step(&sample);
         let concluded = whole.collect(&sample).map(|segment| conclude(model, segment));
         concluded.iter().for_each(|report| assert!(whole.adopt(report)));
         assert_eq!(report, concluded);
-        if let Some(segment) = pieces.collect(&sample) {
+        if let Some(segment) = steps.collect(&sample) {
             solver = Some(Solver::new(model, segment));
             expected = report.inspect(|report| {
                 let (estimate, shaft) = (report.estimate().expect("estimated"), report.shaft().expect("watched"));
@@ -240,8 +240,8 @@ fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::
         }
     }
     assert_eq!((count, &whole), (4, &inline));
-    assert_eq!(pieces, inline);
-    println!("{most} samples from the end of a segment to its report by pieces");
+    assert_eq!(steps, inline);
+    println!("{most} samples from the end of a segment to its report in steps");
 }
 
 #[test]
@@ -267,7 +267,7 @@ fn a_report_is_adopted_before_the_handover_only() {
     for late in [0, 299, 300] {
         let mut detector = Detector::new(&model);
         let segment = stream.iter().find_map(|motion| detector.collect(&all(motion))).expect("a segment");
-        let report = conclude(model, segment);
+        let report = conclude(&model, segment);
         // A refused sample does not count.
         let _ = detector.collect(&All { current_a: f32::NAN, ..all(&stream[0]) });
         stream[..late].iter().for_each(|motion| assert!(detector.collect(&all(motion)).is_none()));
@@ -280,7 +280,7 @@ fn a_report_is_adopted_before_the_handover_only() {
     let shaft = crate::rig::model(lag(0.7), true, 5000);
     let mut detector = Detector::new(&shaft);
     let segment = stream.iter().find_map(|motion| detector.collect(&motion.sample(3))).expect("a segment");
-    assert!(!detector.adopt(&shaft.conclude(segment)), "no regression takes it over");
+    assert!(!detector.adopt(&conclude(&shaft, segment)), "no regression takes it over");
 }
 
 #[test]

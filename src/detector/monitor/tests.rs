@@ -169,3 +169,43 @@ fn a_baseline_does_not_follow_what_is_withdrawn() {
     assert_eq!(report, Verdict::Class(0));
     assert_ne!(report, Verdict::Undetermined(Reason::FoundLate));
 }
+
+/// The interrupt passes the number on, so that no alarm stands that the next segment would take away.
+#[test]
+fn a_report_is_withdrawn_before_the_next_segment_by_its_number() {
+    let model = gated();
+    let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
+    let mut all = stream(&[40.0; 3]);
+    let first = segment(&mut detector, &mut all);
+    let doubt = detector.discard().expect("no sample of the second segment yet");
+    assert!(!monitor.withdraw(doubt), "no report");
+    monitor.take(first);
+    assert!(!monitor.withdraw(doubt), "not solved yet");
+    while monitor.advance().is_none() {}
+    assert!(!monitor.withdraw(doubt + 1) && monitor.evidence().segments() == (1, 0));
+    assert!(monitor.withdraw(doubt) && monitor.evidence().segments() == (1, 1));
+    let verdict = monitor.report().map(|report| report.verdict);
+    assert_eq!(verdict, Some(Verdict::Undetermined(Reason::FoundLate)));
+    assert!(!monitor.withdraw(doubt), "once only");
+    monitor.conclude(segment(&mut detector, &mut all));
+    assert_eq!(monitor.evidence().segments(), (2, 1));
+    all.by_ref().take(SAMPLES as usize / 2).for_each(|sample| assert!(detector.collect(&sample).is_none()));
+    assert_eq!(detector.discard(), None, "half has passed");
+}
+
+#[test]
+fn a_step_is_both_halves_at_once() {
+    let model = gated();
+    let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
+    let (mut alone, mut evidence) = (Detector::new(&model), model.evidence());
+    for sample in stream(&GAINS) {
+        let expected = alone.step(&sample);
+        let now = monitor.step(&mut detector, &sample);
+        assert_eq!(now.map(|now| now.report), expected.as_ref());
+        if let Some(report) = expected {
+            evidence.observe_outcome(report.outcome());
+            assert_eq!(monitor.evidence(), &evidence);
+        }
+    }
+    assert_eq!((detector, monitor.evidence().segments()), (alone, (5, 0)));
+}

@@ -111,10 +111,10 @@ impl<'m, P: Plan> Alone<'m, P> {
 
     /// The solve of a closed segment in steps.
     #[must_use]
-    pub fn pieces(&self, detached: Detached<P>) -> Pieces<P> {
+    pub fn steps(&self, detached: Detached<P>) -> Steps<P> {
         let estimate = self.unsolved(&detached);
         let done = matches!(estimate.reason, Some(Reason::Stuck { .. }));
-        Pieces { plan: self.plan, sums: detached.sums, solve: RegressionSolve::new(self.plan), estimate, done }
+        Steps { plan: self.plan, sums: detached.sums, solve: RegressionSolve::new(self.plan), estimate, done }
     }
 
     /// Offers an estimate as the next auxiliary model.
@@ -130,7 +130,7 @@ impl<'m, P: Plan> Alone<'m, P> {
 
 /// A solve under way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pieces<P: Plan> {
+pub struct Steps<P: Plan> {
     plan: P,
     sums: RegressionSums<P>,
     solve: RegressionSolve<P>,
@@ -138,7 +138,7 @@ pub struct Pieces<P: Plan> {
     done: bool,
 }
 
-impl<P: Plan> Pieces<P> {
+impl<P: Plan> Steps<P> {
     /// Does the next step; the estimate once it is complete.
     pub fn advance(&mut self, constants: &Regression<P>) -> Option<&Estimate<P>> {
         if !self.done {

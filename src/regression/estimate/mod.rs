@@ -1,7 +1,7 @@
 //! Rows of a segment → [`Estimate`]: parameters, covariance, residual variance.
 //!
 //! Enters: the inputs of each sample that may be used. Leaves: the sums of a closed segment, and by a solve in
-//! pieces the estimate.
+//! steps the estimate.
 
 #[cfg(any(test, feature = "internals"))]
 mod alone;
@@ -10,7 +10,7 @@ mod result;
 mod stability;
 
 #[cfg(any(test, feature = "internals"))]
-pub use alone::{Alone, Detached, Pieces};
+pub use alone::{Alone, Detached, Steps};
 pub use estimator::{Estimator, RegressionSolve, RegressionSums};
 pub use result::Estimate;
 pub use stability::is_stable;

@@ -1,4 +1,4 @@
-//! Whole streams through every estimator: segments, bad samples, delays; solved at once, deferred, and by pieces.
+//! Whole streams through every estimator: segments, bad samples, delays; solved at once, deferred, and in steps.
 
 use bearing_watch::internals::Alone;
 use bearing_watch::model::{Channel, Forgetting, Regression};
@@ -17,7 +17,7 @@ const SEGMENTS: usize = 4;
 enum Way {
     Inline,
     Whole,
-    Pieces,
+    Steps,
 }
 
 /// The hash of all results of a stream of segments, and how many of them have an estimate.
@@ -107,7 +107,7 @@ pub fn run(report: impl Fn(usize, &Outcomes)) {
 /// The outcome, the same however segments are solved; with the feature `alloc` also by the plan of host programs.
 fn outcome_of<P: Three>(plan: P) -> Outcome {
     let inline = outcome(plan, Way::Inline);
-    for way in [Way::Whole, Way::Pieces] {
+    for way in [Way::Whole, Way::Steps] {
         assert_eq!(outcome(plan, way), inline, "{way:?}");
         #[cfg(feature = "alloc")]
         if let Some(plan) = bearing_watch::plan::RunTime::of(plan.layout()) {
@@ -161,11 +161,11 @@ fn outcome<P: Three>(plan: P, way: Way) -> Outcome {
                 let segment = stream.detach();
                 stream.solve(segment)
             }
-            Way::Pieces => {
+            Way::Steps => {
                 let segment = stream.detach();
-                let mut pieces = stream.pieces(segment);
+                let mut steps = stream.steps(segment);
                 loop {
-                    if let Some(estimate) = pieces.advance(&constants) {
+                    if let Some(estimate) = steps.advance(&constants) {
                         break estimate.clone();
                     }
                 }

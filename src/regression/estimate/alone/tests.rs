@@ -251,17 +251,17 @@ fn an_operating_point_moves_the_constant_only() {
     assert!((delta[5] - expected).abs() < 0.5 * lifted.deviation(5), "{} {expected}", delta[5]);
 }
 
-/// Five segments of noisy data: closed on the spot, detached and solved whole, and by pieces between samples.
+/// Five segments of noisy data: closed on the spot, detached and solved whole, and in steps between samples.
 #[test]
 fn a_deferred_solve_gives_the_same_bits() {
     let (channels, mut constants) = (channels(), start(refined(false), 1.2));
     (constants.handover, constants.settle) = (300, 100);
     let mut inline = Alone::new(refined(false), &channels, &constants);
-    let (mut whole, mut pieces) = (inline.clone(), inline.clone());
-    let (mut segment, mut solver) = (None, None::<Pieces<RunTime>>);
+    let (mut whole, mut steps) = (inline.clone(), inline.clone());
+    let (mut segment, mut solver) = (None, None::<Steps<RunTime>>);
     let mut taken_over = 0;
     for (t, [y, u1, u2]) in samples(10_000, 0.05, [0.0; 3]).enumerate() {
-        for stream in [&mut inline, &mut whole, &mut pieces] {
+        for stream in [&mut inline, &mut whole, &mut steps] {
             step(stream, y, u1, u2);
         }
         if t % 2000 == 30 {
@@ -269,20 +269,20 @@ fn a_deferred_solve_gives_the_same_bits() {
             taken_over += u32::from(solved.is_some_and(|estimate| whole.adopt(&estimate)));
         }
         if let Some(estimate) = solver.as_mut().and_then(|solver| solver.advance(&constants)) {
-            assert!(pieces.adopt(estimate));
+            assert!(steps.adopt(estimate));
             solver = None;
         }
         if t % 2000 == 1999 {
             let estimate = inline.close();
             segment = Some(whole.detach());
-            let detached = pieces.detach();
-            solver = Some(pieces.pieces(detached));
+            let detached = steps.detach();
+            solver = Some(steps.steps(detached));
             let other = whole.solve(segment.clone().unwrap());
             assert_eq!(estimate, other, "segment ending at {t}");
         }
     }
     assert_eq!((taken_over, inline.rows()), (4, 0));
-    assert_eq!(whole, pieces);
+    assert_eq!(whole, steps);
 }
 
 #[test]

@@ -1,0 +1,82 @@
+//! What a monitor does about slow changes of the healthy drive: nothing, or it follows them by a baseline.
+
+use crate::alarm::Baseline;
+use crate::alarm::baseline::BaselineConstants;
+use crate::model::Model;
+use crate::plan::{Array, Cells, Plan};
+use crate::report::Report;
+
+/// How a [`Monitor`](crate::Monitor) takes slow changes: `()` if it does not, and [`Following`].
+///
+/// It is a type, so that the first has neither memory nor instructions for a baseline.
+pub trait Surroundings<P: Plan>: Sealed {
+    /// Decides a report anew, relative to the baseline, and lets the baseline follow.
+    #[doc(hidden)]
+    fn follow(&mut self, _model: &Model<P>, _report: &mut Report<P>) {}
+
+    /// Takes back what the last report has moved.
+    #[doc(hidden)]
+    fn undo(&mut self) {}
+
+    /// The baseline, if it has one.
+    #[doc(hidden)]
+    fn baseline(&self) -> Option<&Baseline<P>> {
+        None
+    }
+
+    /// The same, to be restored.
+    #[doc(hidden)]
+    fn baseline_mut(&mut self) -> Option<&mut Baseline<P>> {
+        None
+    }
+}
+
+/// Nothing else is how to take slow changes.
+pub trait Sealed {}
+
+impl Sealed for () {}
+
+impl<P: Plan> Surroundings<P> for () {}
+
+/// A baseline that follows slow changes of the healthy drive.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Following<P: Plan> {
+    /// None without a healthy class in the model.
+    baseline: Option<Baseline<P>>,
+    /// Its offset, and whether it was at its bound, before the last report moved it.
+    before: (Array<P::Coordinates, f32>, bool),
+}
+
+impl<P: Plan> Following<P> {
+    pub(super) fn new(model: &Model<P>, constants: BaselineConstants) -> Self {
+        let offset = Cells::filled(model.plan().layout().coordinates as usize, 0.0);
+        Self { baseline: model.baseline(constants), before: (offset, false) }
+    }
+}
+
+impl<P: Plan> Sealed for Following<P> {}
+
+impl<P: Plan> Surroundings<P> for Following<P> {
+    fn follow(&mut self, model: &Model<P>, report: &mut Report<P>) {
+        let Some(baseline) = &mut self.baseline else { return };
+        let (offset, at_bound) = &mut self.before;
+        offset.cells_mut().iter_mut().zip(baseline.offset()).for_each(|(cell, x)| *cell = *x);
+        *at_bound = baseline.at_bound();
+        model.follow(baseline, report);
+    }
+
+    fn undo(&mut self) {
+        if let Some(baseline) = &mut self.baseline {
+            baseline.restore(self.before.0.cells(), self.before.1);
+        }
+    }
+
+    fn baseline(&self) -> Option<&Baseline<P>> {
+        self.baseline.as_ref()
+    }
+
+    fn baseline_mut(&mut self) -> Option<&mut Baseline<P>> {
+        self.baseline.as_mut()
+    }
+}
