@@ -58,7 +58,7 @@ fn take(state: *mut BwState, way: Way, channels: &[f32], angle: u32) -> bool {
             assert_eq!(bw_conclude(state), BwCode::Report);
         } else {
             let steps = (1..).take_while(|_| bw_advance(state) == BwCode::Ok).count();
-            assert!(steps > 10, "{steps}");
+            assert!(steps > 5, "{steps}");
         }
         assert!(matches!(bw_adopt(state), BwCode::Ok | BwCode::NotAdopted));
     }
