@@ -4,8 +4,7 @@
 //! compile time. Without one, each array has places for the largest model, and the layout of the model says how many of
 //! them are in use; a larger model is refused.
 
-use bearing_watch::Angle;
-use bearing_watch::plan::{Bounded, Layout, Plan, Signals};
+use bearing_watch::plan::Bounds;
 
 #[cfg(not(bearing_watch_plan))]
 pub(crate) use self::AnyModel as Own;
@@ -54,113 +53,30 @@ pub const BW_MAX_PROJECTION: usize = 144;
 /// class.
 pub const BW_MAX_DENSITIES: usize = 234;
 
-const PACKED: usize = BW_MAX_COLUMNS * (BW_MAX_COLUMNS - 1) / 2;
-const COVARIANCE: usize = BW_MAX_PARAMETERS * (BW_MAX_PARAMETERS + 1) / 2;
-const EXPLAINED: usize = BW_MAX_FEATURES * BW_MAX_COVARIATES;
-const DENSITY: usize = BW_MAX_COORDINATES * (BW_MAX_COORDINATES + 1) / 2;
-const LAWS: usize = BW_MAX_RISING + 1;
-const MEANS: usize = BW_MAX_CLASSES * BW_MAX_COORDINATES;
-const COSTS: usize = BW_MAX_CLASSES * BW_MAX_CLASSES;
-
-/// The plan of models up to the largest sizes above.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AnyModel(Layout);
-
-/// A sample: the channels in the order of the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Values {
-    values: [f32; BW_MAX_CHANNELS],
-    angle: Angle,
-}
-
-impl Signals for Values {
-    #[inline(always)]
-    fn of(values: &[f32], angle: Angle) -> Self {
-        let mut all = [0.0; BW_MAX_CHANNELS];
-        all.iter_mut().zip(values).for_each(|(cell, value)| *cell = *value);
-        Self { values: all, angle }
-    }
-
-    #[inline(always)]
-    fn value(&self, channel: usize) -> f32 {
-        self.values.get(channel).copied().unwrap_or(0.0)
-    }
-
-    #[inline(always)]
-    fn angle(&self) -> Angle {
-        self.angle
-    }
-}
-
-impl Plan for AnyModel {
-    type Sample = Values;
-    type Channels = Bounded<BW_MAX_CHANNELS>;
-    type Regressed = Bounded<1>;
-    type Squares = Bounded<1>;
-    type Instruments = Bounded<1>;
-    type TwoLevel = Bounded<1>;
-    type Columns = Bounded<BW_MAX_COLUMNS>;
-    type Packed = Bounded<PACKED>;
-    type Parameters = Bounded<BW_MAX_PARAMETERS>;
-    type Covariance = Bounded<COVARIANCE>;
-    type Delays = Bounded<BW_MAX_DELAYS>;
-    type Filters = Bounded<BW_MAX_FILTERS>;
-    type Watched = Bounded<1>;
-    type Orders = Bounded<BW_MAX_ORDERS>;
-    type Averaged = Bounded<BW_MAX_AVERAGED>;
-    type Features = Bounded<BW_MAX_FEATURES>;
-    type Covariates = Bounded<BW_MAX_COVARIATES>;
-    type Explained = Bounded<EXPLAINED>;
-    type Coordinates = Bounded<BW_MAX_COORDINATES>;
-    type Map = Bounded<BW_MAX_PROJECTION>;
-    type Density = Bounded<DENSITY>;
-    type Densities = Bounded<BW_MAX_DENSITIES>;
-    type Laws = Bounded<LAWS>;
-    type Classes = Bounded<BW_MAX_CLASSES>;
-    type Means = Bounded<MEANS>;
-    type Costs = Bounded<COSTS>;
-
-    #[inline(always)]
-    fn layout(self) -> Layout {
-        self.0
-    }
-
-    fn of(layout: Layout) -> Option<Self> {
-        fits(&layout).then_some(Self(layout))
-    }
-
-    fn channels() -> Option<&'static [(&'static str, &'static str)]> {
-        None
-    }
-}
-
-bearing_watch::defmt_formats!(AnyModel, Values, values);
-
-/// Whether every array of a model of this layout has its places here.
-fn fits(layout: &Layout) -> bool {
-    let lengths = [
-        (layout.channels as usize, BW_MAX_CHANNELS),
-        (layout.parameters(), BW_MAX_PARAMETERS),
-        (layout.columns(), BW_MAX_COLUMNS),
-        (layout.delays(), BW_MAX_DELAYS),
-        (layout.filters(), BW_MAX_FILTERS),
-        (layout.orders(), BW_MAX_ORDERS),
-        (layout.averages(), BW_MAX_AVERAGED),
-        (layout.features as usize, BW_MAX_FEATURES),
-        (layout.covariates as usize, BW_MAX_COVARIATES),
-        (layout.coordinates as usize, BW_MAX_COORDINATES),
-        (layout.rising as usize, BW_MAX_RISING),
-        (layout.classes as usize, BW_MAX_CLASSES),
-        (layout.map(), BW_MAX_PROJECTION),
-        (layout.densities(), BW_MAX_DENSITIES),
-    ];
-    layout.check().is_ok() && lengths.iter().all(|(length, most)| length <= most)
+bearing_watch::bounded_plan! {
+    /// The plan of models up to the largest sizes above.
+    pub struct AnyModel(Bounds {
+        channels: BW_MAX_CHANNELS,
+        columns: BW_MAX_COLUMNS,
+        parameters: BW_MAX_PARAMETERS,
+        delays: BW_MAX_DELAYS,
+        filters: BW_MAX_FILTERS,
+        orders: BW_MAX_ORDERS,
+        averages: BW_MAX_AVERAGED,
+        features: BW_MAX_FEATURES,
+        covariates: BW_MAX_COVARIATES,
+        coordinates: BW_MAX_COORDINATES,
+        rising: BW_MAX_RISING,
+        classes: BW_MAX_CLASSES,
+        map: BW_MAX_PROJECTION,
+        densities: BW_MAX_DENSITIES,
+    });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bearing_watch::plan::{Kind, Memory, Method, RegressionLayout, Signal, Structure};
+    use bearing_watch::plan::{Kind, Layout, Memory, Method, Plan as _, RegressionLayout, Signal, Structure};
 
     const REGRESSION: RegressionLayout = RegressionLayout {
         structure: Structure::new(4, 4, 3, 7, 3).with_offset(),
@@ -196,15 +112,5 @@ mod tests {
             Layout { regression: Some(RegressionLayout { method: Method::Instruments, ..REGRESSION }), ..LARGEST },
         ];
         refused.iter().for_each(|layout| assert_eq!(AnyModel::of(*layout), None, "{layout:?}"));
-    }
-
-    #[test]
-    fn values_beyond_the_last_channel_are_zero() {
-        let sample = Values::of(&[1.0, 2.0], Angle::from_bits(7));
-        assert_eq!(
-            [0, 1, 2, 100].map(|channel| sample.value(channel).to_bits()),
-            [1.0_f32, 2.0, 0.0, 0.0].map(f32::to_bits)
-        );
-        assert_eq!(sample.angle(), Angle::from_bits(7));
     }
 }

@@ -37,7 +37,7 @@ pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: 
         }
         // SAFETY: writable by the contract; no other reference to them exists during this call.
         let buffer = unsafe { elements_mut(bytes, state.model.saved_len()) }?;
-        state.settled(|monitor| state.model.save(monitor.evidence(), monitor.baseline(), buffer))?.map_err(refusal)?;
+        state.settled(|monitor| monitor.save_within_run(buffer))?.map_err(refusal)?;
         Ok(BwCode::Ok)
     }))
 }

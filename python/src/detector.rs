@@ -4,10 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bearing_watch::FrictionTerm;
-use bearing_watch::alarm::Baseline;
-use bearing_watch::plan::RunTime;
 use model::Error;
-use model::core::{SegmentReport, Stream, Watched, Watcher};
+use model::core::{Judged, Stream};
 use model::identify::Terms as _;
 use model::session::check_rate;
 use model::trace::{Recorded, Trace};
@@ -23,23 +21,13 @@ use crate::model::{Model, Own};
 use crate::pool::detached;
 use crate::tables::{table, tables};
 
-/// What runs on a model.
-struct Running<'m> {
-    stream: Stream<'m>,
-    watcher: Watcher<'m>,
-    baseline: Option<Baseline<RunTime>>,
-}
-
 self_cell!(
     struct State {
         owner: Arc<Own>,
         #[covariant]
-        dependent: Running,
+        dependent: Stream,
     }
 );
-
-/// A segment with the evidence after it.
-type Judged = (SegmentReport, Watched);
 
 /// The detector of a model.
 #[pyclass(module = "bearing_watch._core")]
@@ -58,19 +46,12 @@ impl std::fmt::Debug for Detector {
 }
 
 fn start(own: &Arc<Own>, follow: Option<(f32, f32)>) -> PyResult<State> {
-    let begin = |own: &Arc<Own>| {
+    State::try_new(Arc::clone(own), |own| {
         let model = &own.file.model;
-        let baseline = follow.map(|(segments, bound)| {
-            let problem = "follow is at least 1 segment, follow_bound is above 0, and the model needs a healthy class";
-            model.baseline(segments, bound).ok_or_else(|| refused(problem))
-        });
-        baseline.transpose()
-    };
-    let baseline = begin(own)?;
-    Ok(State::new(Arc::clone(own), |own| {
-        let model = &own.file.model;
-        Running { stream: model.stream(), watcher: model.watcher(), baseline }
-    }))
+        let Some((segments, bound)) = follow else { return Ok(model.stream()) };
+        let problem = "follow is at least 1 segment, follow_bound is above 0, and the model needs a healthy class";
+        model.stream_following(segments, bound).ok_or_else(|| refused(problem))
+    })
 }
 
 #[pymethods]
@@ -89,9 +70,7 @@ impl Detector {
         let judged = detached(py, || {
             let source = Source::Memory(vec![Arc::clone(&table)]);
             let trace = self.state.borrow_owner().file.trace(table.name(), &source)?;
-            let mut segments = self.advance(&trace);
-            segments.extend(self.end());
-            Ok::<_, Error>(self.judged(segments, self.run_a_trace))
+            Ok::<_, Error>(self.whole(&trace))
         });
         self.to_dict(py, &judged.map_err(raised)?)
     }
@@ -110,11 +89,7 @@ impl Detector {
         };
         let judged = detached(py, || {
             let traces = self.state.borrow_owner().file.traces(&source)?;
-            let judge = |trace: Trace| {
-                let mut segments = self.advance(&trace);
-                segments.extend(self.end());
-                (trace.id, self.judged(segments, self.run_a_trace))
-            };
+            let judge = |trace: Trace| (trace.id.clone(), self.whole(&trace));
             Ok::<_, Error>(traces.into_iter().map(judge).collect::<Vec<_>>())
         });
         let judged = judged.map_err(raised)?;
@@ -130,8 +105,7 @@ impl Detector {
         let table = table("samples", columns)?;
         let judged = detached(py, || {
             let piece = piece(self.state.borrow_owner(), table)?;
-            let segments = self.advance(&piece);
-            Ok::<_, Error>(self.judged(segments, false))
+            Ok::<_, Error>(self.state.with_dependent_mut(|_, stream| stream.take(&piece)))
         });
         self.to_dict(py, &judged.map_err(raised)?)
     }
@@ -141,25 +115,20 @@ impl Detector {
         if self.taken() == 0 {
             return self.to_dict(py, &[]);
         }
-        let segments = self.end();
-        let judged = self.judged(segments.into_iter().collect(), self.run_a_trace);
-        self.to_dict(py, &judged)
+        let last = self.state.with_dependent_mut(|_, stream| stream.finish(self.run_a_trace));
+        self.to_dict(py, last.as_slice())
     }
 
     /// Evidence, alarm and baseline as bytes, between traces.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         self.require_between()?;
-        let Running { watcher, baseline, .. } = self.state.borrow_dependent();
-        Ok(PyBytes::new(py, &watcher.save(baseline.as_ref())))
+        Ok(PyBytes::new(py, &self.state.borrow_dependent().save()))
     }
 
     /// Goes on from these bytes.
     fn restore(&mut self, state: &[u8]) -> PyResult<()> {
         self.require_between()?;
-        let restored = self.state.with_dependent_mut(|_, running| {
-            let Running { watcher, baseline, .. } = running;
-            watcher.restore(state, baseline.as_mut())
-        });
+        let restored = self.state.with_dependent_mut(|_, stream| stream.restore(state));
         restored.map_err(|problem| refused(format!("no state of this detector: {problem}")))
     }
 
@@ -179,7 +148,7 @@ fn piece(own: &Own, table: Arc<Recorded>) -> Result<Trace, Error> {
 
 impl Detector {
     fn taken(&self) -> usize {
-        self.state.borrow_dependent().stream.taken()
+        self.state.borrow_dependent().taken()
     }
 
     fn require_between(&self) -> PyResult<()> {
@@ -187,27 +156,8 @@ impl Detector {
         if self.taken() == 0 { Ok(()) } else { Err(refused(open)) }
     }
 
-    fn advance(&mut self, trace: &Trace) -> Vec<SegmentReport> {
-        self.state.with_dependent_mut(|_, running| running.stream.take(trace, running.baseline.as_mut()))
-    }
-
-    fn end(&mut self) -> Option<SegmentReport> {
-        self.state.with_dependent_mut(|_, running| running.stream.finish(running.baseline.as_mut()))
-    }
-
-    /// The evidence after each segment; a run may end with the last one, or without another one.
-    fn judged(&mut self, segments: Vec<SegmentReport>, run_ends: bool) -> Vec<Judged> {
-        self.state.with_dependent_mut(|_, running| {
-            let count = segments.len();
-            if run_ends && count == 0 {
-                running.watcher.end_run();
-            }
-            let each = |(k, segment): (usize, SegmentReport)| {
-                let watched = running.watcher.observe(&segment, run_ends && k + 1 == count);
-                (segment, watched)
-            };
-            segments.into_iter().enumerate().map(each).collect()
-        })
+    fn whole(&mut self, trace: &Trace) -> Vec<Judged> {
+        self.state.with_dependent_mut(|_, stream| stream.run(trace, self.run_a_trace))
     }
 
     fn to_dict<'py>(&self, py: Python<'py>, judged: &[Judged]) -> PyResult<Bound<'py, PyDict>> {

@@ -49,9 +49,9 @@ pub struct Following<P: Plan> {
 }
 
 impl<P: Plan> Following<P> {
-    pub(super) fn new(model: &Model<P>, constants: BaselineConstants) -> Self {
+    pub(super) fn new(model: &Model<P>, constants: Option<BaselineConstants>) -> Self {
         let offset = Cells::filled(model.plan().layout().coordinates as usize, 0.0);
-        Self { baseline: model.baseline(constants), before: (offset, false) }
+        Self { baseline: constants.and_then(|constants| model.baseline(constants)), before: (offset, false) }
     }
 }
 

@@ -124,6 +124,12 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// constant out of range, there is none.
     #[must_use]
     pub fn following(self, constants: BaselineConstants) -> Monitor<'m, P, Following<P>> {
+        self.following_if(Some(constants))
+    }
+
+    /// As [`Monitor::following`] if there are constants, in a program that decides so when it runs.
+    #[must_use]
+    pub fn following_if(self, constants: Option<BaselineConstants>) -> Monitor<'m, P, Following<P>> {
         let Self { model, evidence, evidence_before, surroundings: (), segment, solve, report, work, sequence } = self;
         let surroundings = Following::new(model, constants);
         Monitor { model, evidence, evidence_before, surroundings, segment, solve, report, work, sequence }
@@ -146,6 +152,17 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         self.solve_rest();
         detector.offer(&self.report);
         detector.next_segment();
+        self.conclusion()
+    }
+
+    /// Closes the open segment at the end of a recording, and concludes it; the detector starts afresh. A part of no more
+    /// than half a segment has no verdict.
+    pub fn finish(&mut self, detector: &mut Detector<'_, P>) -> Conclusion<'_, P> {
+        // The model knows the spread of whole segments only.
+        let short = detector.pending() <= self.model.constants().sampling.segment_samples / 2;
+        self.take(detector.segment(short));
+        self.solve_rest();
+        detector.restart();
         self.conclusion()
     }
 
@@ -292,13 +309,22 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         self.model.saved_len()
     }
 
+    /// Writes alarm, scores, trend and baseline in a run that goes on; returns the number of bytes. It is as if the
+    /// power went off within the run.
+    ///
+    /// # Errors
+    /// [`StateError::BufferTooSmall`].
+    pub fn save_within_run(&self, buffer: &mut [u8]) -> Result<usize, StateError> {
+        self.model.save(&self.evidence, self.baseline(), buffer)
+    }
+
     /// Ends the run and writes alarm, scores, trend and baseline; returns the number of bytes.
     ///
     /// # Errors
     /// [`StateError::BufferTooSmall`].
     pub fn save(&mut self, buffer: &mut [u8]) -> Result<usize, StateError> {
         self.end_run();
-        self.model.save(&self.evidence, self.baseline(), buffer)
+        self.save_within_run(buffer)
     }
 
     /// Continues from a saved state of this model. Nothing changes in case of an error.

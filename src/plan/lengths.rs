@@ -222,6 +222,6 @@ pub(crate) const fn filter_cells(terms: u8, na: u8) -> usize {
 
 /// Number of elements on and below the diagonal.
 #[inline]
-const fn triangle(n: usize) -> usize {
+pub(super) const fn triangle(n: usize) -> usize {
     n * (n + 1) / 2
 }

@@ -8,6 +8,8 @@
 //!
 #![doc = include_str!("static_model.md")]
 
+#[cfg(any(test, feature = "bounded"))]
+mod bounded;
 mod fit;
 mod layout;
 mod lengths;
@@ -16,6 +18,8 @@ mod run_time;
 mod size;
 mod structure;
 
+#[cfg(any(test, feature = "bounded"))]
+pub use bounded::{Bounds, Values};
 pub use fit::LayoutError;
 pub use layout::{
     Kind, Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout,
@@ -29,7 +33,7 @@ pub use size::{Array, Size};
 // For the macro `plan!` and for this repository's programs.
 #[doc(hidden)]
 #[cfg(any(test, feature = "alloc"))]
-pub use size::Heap;
+pub use size::{AnyLength, Heap};
 #[doc(hidden)]
 pub use size::{Cells, Fixed, Item, Presence, Present};
 pub use structure::Structure;
@@ -249,31 +253,7 @@ macro_rules! plan {
 
             impl $crate::plan::Plan for $plan {
                 type Sample = $sample;
-                type Channels = $crate::plan::Fixed<{ LAYOUT.channels as usize }>;
-                type Regressed = $crate::plan::Present<{ LAYOUT.regressed() }>;
-                type Squares = $crate::plan::Present<{ LAYOUT.squares() }>;
-                type Instruments = $crate::plan::Present<{ LAYOUT.instruments() }>;
-                type TwoLevel = $crate::plan::Present<{ LAYOUT.two_level() }>;
-                type Columns = $crate::plan::Fixed<{ LAYOUT.columns() }>;
-                type Packed = $crate::plan::Fixed<{ LAYOUT.packed() }>;
-                type Parameters = $crate::plan::Fixed<{ LAYOUT.parameters() }>;
-                type Covariance = $crate::plan::Fixed<{ LAYOUT.covariance() }>;
-                type Delays = $crate::plan::Fixed<{ LAYOUT.delays() }>;
-                type Filters = $crate::plan::Fixed<{ LAYOUT.filters() }>;
-                type Watched = $crate::plan::Present<{ LAYOUT.watched() }>;
-                type Orders = $crate::plan::Fixed<{ LAYOUT.orders() }>;
-                type Averaged = $crate::plan::Fixed<{ LAYOUT.averages() }>;
-                type Features = $crate::plan::Fixed<{ LAYOUT.features as usize }>;
-                type Covariates = $crate::plan::Fixed<{ LAYOUT.covariates as usize }>;
-                type Explained = $crate::plan::Fixed<{ LAYOUT.explained() }>;
-                type Coordinates = $crate::plan::Fixed<{ LAYOUT.coordinates as usize }>;
-                type Map = $crate::plan::Fixed<{ LAYOUT.map() }>;
-                type Density = $crate::plan::Fixed<{ LAYOUT.density() }>;
-                type Densities = $crate::plan::Fixed<{ LAYOUT.densities() }>;
-                type Laws = $crate::plan::Fixed<{ LAYOUT.laws() }>;
-                type Classes = $crate::plan::Fixed<{ LAYOUT.classes as usize }>;
-                type Means = $crate::plan::Fixed<{ LAYOUT.means() }>;
-                type Costs = $crate::plan::Fixed<{ LAYOUT.costs() }>;
+                $crate::plan_types!(Fixed, Present, LAYOUT);
 
                 #[inline(always)]
                 fn layout(self) -> $crate::plan::Layout {
@@ -295,17 +275,54 @@ macro_rules! plan {
     };
 }
 
+/// The associated types of a plan whose array lengths are the results of these functions of a [`Layout`], or of what
+/// has the same functions.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! plan_types {
+    ($size:ident, $presence:ident, $lengths:expr) => {
+        type Channels = $crate::plan::$size<{ $lengths.channels as usize }>;
+        type Regressed = $crate::plan::$presence<{ $lengths.regressed() }>;
+        type Squares = $crate::plan::$presence<{ $lengths.squares() }>;
+        type Instruments = $crate::plan::$presence<{ $lengths.instruments() }>;
+        type TwoLevel = $crate::plan::$presence<{ $lengths.two_level() }>;
+        type Columns = $crate::plan::$size<{ $lengths.columns() }>;
+        type Packed = $crate::plan::$size<{ $lengths.packed() }>;
+        type Parameters = $crate::plan::$size<{ $lengths.parameters() }>;
+        type Covariance = $crate::plan::$size<{ $lengths.covariance() }>;
+        type Delays = $crate::plan::$size<{ $lengths.delays() }>;
+        type Filters = $crate::plan::$size<{ $lengths.filters() }>;
+        type Watched = $crate::plan::$presence<{ $lengths.watched() }>;
+        type Orders = $crate::plan::$size<{ $lengths.orders() }>;
+        type Averaged = $crate::plan::$size<{ $lengths.averages() }>;
+        type Features = $crate::plan::$size<{ $lengths.features as usize }>;
+        type Covariates = $crate::plan::$size<{ $lengths.covariates as usize }>;
+        type Explained = $crate::plan::$size<{ $lengths.explained() }>;
+        type Coordinates = $crate::plan::$size<{ $lengths.coordinates as usize }>;
+        type Map = $crate::plan::$size<{ $lengths.map() }>;
+        type Density = $crate::plan::$size<{ $lengths.density() }>;
+        type Densities = $crate::plan::$size<{ $lengths.densities() }>;
+        type Laws = $crate::plan::$size<{ $lengths.laws() }>;
+        type Classes = $crate::plan::$size<{ $lengths.classes as usize }>;
+        type Means = $crate::plan::$size<{ $lengths.means() }>;
+        type Costs = $crate::plan::$size<{ $lengths.costs() }>;
+    };
+}
+
 /// Implements `defmt::Format` for a plan and its sample; nothing without the feature `defmt`.
 #[cfg(feature = "defmt")]
 #[doc(hidden)]
 #[macro_export]
 macro_rules! defmt_formats {
-    ($plan:ident, $sample:ident, $($channel:ident)+) => {
+    ($plan:ident) => {
         impl $crate::defmt::Format for $plan {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
                 $crate::defmt::Format::format(stringify!($plan), formatter);
             }
         }
+    };
+    ($plan:ident, $sample:ident, $($channel:ident)+) => {
+        $crate::defmt_formats!($plan);
 
         impl $crate::defmt::Format for $sample {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
@@ -320,5 +337,5 @@ macro_rules! defmt_formats {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! defmt_formats {
-    ($plan:ident, $sample:ident, $($channel:ident)+) => {};
+    ($plan:ident $(, $sample:ident, $($channel:ident)+)?) => {};
 }

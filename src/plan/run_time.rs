@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::{Heap, Layout, Plan, Signals};
+use super::{Layout, Plan, Signals};
 use crate::signal::Angle;
 
 /// A plan whose layout the model brings.
@@ -38,31 +38,7 @@ impl Signals for RunTimeSample {
 
 impl Plan for RunTime {
     type Sample = RunTimeSample;
-    type Channels = Heap;
-    type Regressed = Heap;
-    type Squares = Heap;
-    type Instruments = Heap;
-    type TwoLevel = Heap;
-    type Columns = Heap;
-    type Packed = Heap;
-    type Parameters = Heap;
-    type Covariance = Heap;
-    type Delays = Heap;
-    type Filters = Heap;
-    type Watched = Heap;
-    type Orders = Heap;
-    type Averaged = Heap;
-    type Features = Heap;
-    type Covariates = Heap;
-    type Explained = Heap;
-    type Coordinates = Heap;
-    type Map = Heap;
-    type Density = Heap;
-    type Densities = Heap;
-    type Laws = Heap;
-    type Classes = Heap;
-    type Means = Heap;
-    type Costs = Heap;
+    crate::plan_types!(AnyLength, AnyLength, Layout::EMPTY);
 
     #[inline(always)]
     fn layout(self) -> Layout {

@@ -147,6 +147,10 @@ impl<T: Item, const N: usize> Cells<T> for [T; N] {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Heap;
 
+/// A vector, whatever the length.
+#[cfg(any(test, feature = "alloc"))]
+pub type AnyLength<const N: usize> = Heap;
+
 #[cfg(any(test, feature = "alloc"))]
 impl Size for Heap {
     type Array<T: Item> = alloc::vec::Vec<T>;

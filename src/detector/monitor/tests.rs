@@ -209,3 +209,18 @@ fn a_step_is_both_halves_at_once() {
     }
     assert_eq!((detector, monitor.evidence().segments()), (alone, (5, 0)));
 }
+
+#[test]
+fn the_end_of_a_recording_has_a_verdict_from_half_a_segment_on() {
+    let model = gated();
+    for (count, verdict) in [
+        (SAMPLES / 2 + 3, Verdict::Class(0)),
+        (SAMPLES / 2 - 1, Verdict::Undetermined(Reason::ShortSegment { rows: SAMPLES / 2 - 2 })),
+    ] {
+        let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
+        let mut all = stream(&[0.5]).take(count as usize);
+        assert!(all.all(|sample| monitor.step(&mut detector, &sample).is_none()));
+        assert_eq!(monitor.finish(&mut detector).report.verdict, verdict);
+        assert_eq!((detector.pending(), monitor.evidence().segments().0), (0, 1));
+    }
+}

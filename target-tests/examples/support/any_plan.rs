@@ -5,9 +5,9 @@ use bearing_watch::model::{
     Forgetting, KNOTS, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, TrackedOrder, Tracking,
 };
 use bearing_watch::plan::{
-    Bounded, Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Signals, Structure,
+    Bounds, Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
 };
-use bearing_watch::{Angle, FrictionTerm, Model};
+use bearing_watch::{FrictionTerm, Model};
 
 use super::support::damage::{CHANNELS, Dice};
 use super::support::shaft::{BALANCE, BLOCKS};
@@ -21,87 +21,28 @@ const FEATURES: usize = 6;
 const COORDINATES: usize = 3;
 const CLASSES: usize = 3;
 
-/// A layout up to these lengths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AnyPlan(Layout);
+bearing_watch::bounded_plan! {
+    /// A layout up to these lengths.
+    pub struct AnyPlan(Bounds {
+        channels: CHANNELS,
+        columns: COLUMNS,
+        parameters: COLUMNS,
+        delays: DELAYS,
+        filters: FILTERS,
+        orders: ORDERS,
+        averages: CHANNELS,
+        features: FEATURES,
+        covariates: 0,
+        coordinates: COORDINATES,
+        rising: COORDINATES,
+        classes: CLASSES,
+        map: COORDINATES * FEATURES,
+        densities: CLASSES * COORDINATES * (COORDINATES + 1) / 2,
+    });
+}
 
 /// Values of current, velocity, load and reference, and the angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Values {
-    values: [f32; CHANNELS],
-    angle: Angle,
-}
-
-bearing_watch::defmt_formats!(AnyPlan, Values, values);
-
-impl Signals for Values {
-    fn of(values: &[f32], angle: Angle) -> Self {
-        let mut all = [0.0; CHANNELS];
-        all.iter_mut().zip(values).for_each(|(cell, value)| *cell = *value);
-        Self { values: all, angle }
-    }
-
-    fn value(&self, channel: usize) -> f32 {
-        self.values.get(channel).copied().unwrap_or(0.0)
-    }
-
-    fn angle(&self) -> Angle {
-        self.angle
-    }
-}
-
-impl Plan for AnyPlan {
-    type Sample = Values;
-    type Channels = Bounded<CHANNELS>;
-    type Regressed = Bounded<1>;
-    type Squares = Bounded<1>;
-    type Instruments = Bounded<1>;
-    type TwoLevel = Bounded<1>;
-    type Columns = Bounded<COLUMNS>;
-    type Packed = Bounded<{ COLUMNS * (COLUMNS - 1) / 2 }>;
-    type Parameters = Bounded<COLUMNS>;
-    type Covariance = Bounded<{ COLUMNS * (COLUMNS + 1) / 2 }>;
-    type Delays = Bounded<DELAYS>;
-    type Filters = Bounded<FILTERS>;
-    type Watched = Bounded<1>;
-    type Orders = Bounded<ORDERS>;
-    type Averaged = Bounded<CHANNELS>;
-    type Features = Bounded<FEATURES>;
-    type Covariates = Bounded<0>;
-    type Explained = Bounded<0>;
-    type Coordinates = Bounded<COORDINATES>;
-    type Map = Bounded<{ COORDINATES * FEATURES }>;
-    type Density = Bounded<{ COORDINATES * (COORDINATES + 1) / 2 }>;
-    type Densities = Bounded<{ CLASSES * COORDINATES * (COORDINATES + 1) / 2 }>;
-    type Laws = Bounded<{ 1 + COORDINATES }>;
-    type Classes = Bounded<CLASSES>;
-    type Means = Bounded<{ CLASSES * COORDINATES }>;
-    type Costs = Bounded<{ CLASSES * CLASSES }>;
-
-    fn layout(self) -> Layout {
-        self.0
-    }
-
-    fn of(layout: Layout) -> Option<Self> {
-        let lengths = [
-            (layout.channels as usize, CHANNELS),
-            (layout.columns(), COLUMNS),
-            (layout.delays(), DELAYS),
-            (layout.filters(), FILTERS),
-            (layout.orders(), ORDERS),
-            (layout.features as usize, FEATURES),
-            (layout.covariates as usize, 0),
-            (layout.coordinates as usize, COORDINATES),
-            (layout.classes as usize, CLASSES),
-        ];
-        let fits = layout.check().is_ok() && lengths.iter().all(|(length, most)| length <= most);
-        fits.then_some(Self(layout))
-    }
-
-    fn channels() -> Option<&'static [(&'static str, &'static str)]> {
-        None
-    }
-}
+pub type Values = bearing_watch::plan::Values<CHANNELS>;
 
 /// A number below `end`, as a count.
 fn below(dice: &mut Dice, end: u8) -> u8 {

@@ -3,15 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use bearing_watch::FrictionTerm;
-use bearing_watch::alarm::{Baseline, Trend};
-use bearing_watch::plan::RunTime;
+use bearing_watch::alarm::Trend;
 use serde_json::json;
 
 use super::jobs::Recordings;
 use super::options::Taken;
 use super::output;
 use model::Error;
-use model::core::{Embedded, SegmentReport, Watched, Watcher, denied, features, stuck_channels};
+use model::core::{Embedded, SegmentReport, Stream, Watched, denied, features, stuck_channels};
 use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
 use model::trace::Trace;
@@ -60,7 +59,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
     let ModelFile { model, notes } = ModelFile::read(&args.model)?;
     let (mut values, mut replayed) = (Vec::new(), Vec::new());
-    let mut baseline = args.baseline(&model)?;
+    let mut stream = args.stream(&model)?;
     let traces = traces::read(&args.taken.settings.data.traces, &notes.channels)?;
     irregular(traces.iter()).iter().chain(&refused(traces.iter())).for_each(output::warn);
     if let Some(told) = told(traces.iter()).filter(|_| !args.json) {
@@ -68,12 +67,11 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     check_rate(&model, notes.preparation(), traces.iter())?;
     args.write_rows(&model, &notes)?;
-    let (mut watcher, mut raised, mut trend) = (model.watcher(), false, None);
+    let (mut raised, mut trend) = (false, None);
     let mut conclusion = Conclusion::new(&model, &notes.orders);
     for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
-        let segments = model.run_following(&prepared, baseline.as_mut());
-        let evidence = watched(&mut watcher, &segments, args.run_a_trace);
+        let (segments, evidence): (Vec<_>, Vec<_>) = stream.run(&prepared, args.run_a_trace).into_iter().unzip();
         conclusion.take(&prepared, &segments, &evidence);
         for (k, (segment, watched)) in segments.iter().zip(&evidence).enumerate() {
             if args.json {
@@ -118,22 +116,15 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::say(conclusion.words())
 }
 
-/// The evidence after each segment of a trace; a run ends with the trace if each trace is one.
-fn watched(watcher: &mut Watcher, segments: &[SegmentReport], run_a_trace: bool) -> Vec<Watched> {
-    let last = |k: usize| run_a_trace && k + 1 == segments.len();
-    segments.iter().enumerate().map(|(k, segment)| watcher.observe(segment, last(k))).collect()
-}
-
 /// The page of traces through a model, with the usual settings.
 pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
     let ModelFile { model, notes } = ModelFile::read(file)?;
     let traces = traces::read(traces, &notes.channels)?;
     check_rate(&model, notes.preparation(), traces.iter())?;
-    let mut watcher = model.watcher();
+    let mut stream = model.stream();
     let mut judge = |trace: &Trace| {
         let trace = notes.preparation().apply(trace)?;
-        let segments = model.run(&trace);
-        let watched = watched(&mut watcher, &segments, false);
+        let (segments, watched) = stream.run(&trace, false).into_iter().unzip();
         Ok(Replayed { trace, segments, watched })
     };
     let replayed = traces.iter().map(&mut judge).collect::<Result<Vec<_>, Error>>()?;
@@ -160,14 +151,14 @@ impl Args {
         output::write(file, raw_rows(trace, front_end, &further)?)
     }
 
-    fn baseline(&self, model: &Embedded) -> Result<Option<Baseline<RunTime>>, Error> {
-        let Some(segments) = self.follow else { return Ok(None) };
+    fn stream<'m>(&self, model: &'m Embedded) -> Result<Stream<'m>, Error> {
+        let Some(segments) = self.follow else { return Ok(model.stream()) };
         let refuse = || {
             let problem =
                 "--follow is at least 1 segment, --follow-bound is above 0, and the model needs a healthy class";
             Error::Usage(problem.into())
         };
-        model.baseline(segments, self.follow_bound).map(Some).ok_or_else(refuse)
+        model.stream_following(segments, self.follow_bound).ok_or_else(refuse)
     }
 }
 

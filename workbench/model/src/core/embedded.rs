@@ -1,13 +1,12 @@
 //! Runs a model of any layout over traces with the core's [`Detector`], the code that firmware runs.
 
-use bearing_watch::alarm::Baseline;
-use bearing_watch::model::{BaselineConstants, EvidenceConstants, Feature, Sampling, ShaftConstants};
+use bearing_watch::model::{EvidenceConstants, Feature, Sampling, ShaftConstants};
 use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::{Detector, Model, ModelError, Reason, Report, Verdict};
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
-use super::watch::{self, Watched, Watcher};
+use super::watch::{self, Watched};
 use super::wiring::{Feed, Field, fields};
 use super::words::explain;
 use crate::identify::Structure;
@@ -170,12 +169,6 @@ impl Embedded {
         list.filter(|(_, outside)| **outside).map(|(own, _)| own.feature).collect()
     }
 
-    /// A baseline with this time constant in segments and this bound in healthy standard deviations.
-    #[must_use]
-    pub fn baseline(&self, segments: f32, bound: f32) -> Option<Baseline<RunTime>> {
-        self.model.baseline(BaselineConstants::new(segments, bound))
-    }
-
     /// Rates and segment length.
     #[must_use]
     pub const fn sampling(&self) -> Sampling {
@@ -194,17 +187,11 @@ impl Embedded {
         self.model.constants().evidence
     }
 
-    /// Evidence before the first segment of a drive.
-    #[must_use]
-    pub fn watcher(&self) -> Watcher<'_> {
-        Watcher::new(&self.model)
-    }
-
-    /// State of the core's evidence after each of these segments; they may come from several traces of one drive.
+    /// State of the core's evidence after each of these segments; they may come from several traces of one drive, in
+    /// another order than the one in which they were recorded.
     #[must_use]
     pub fn watch(&self, segments: &[SegmentReport]) -> Vec<Watched> {
-        let mut watcher = self.watcher();
-        segments.iter().map(|segment| watcher.observe(segment, false)).collect()
+        watch::over(&self.model, segments)
     }
 
     /// Verdict on several independent segments together: their log-likelihoods add up, their surprises combine by

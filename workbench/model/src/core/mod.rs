@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! columns of traces ─► wiring: channels of the model, samples
-//! model: constants of any layout ─► embedded: detector, names ─► stream: segments of a trace, whole or in pieces
-//!                                                                    └─► segment: SegmentReport (words: reasons)
-//!                                                                           └─► watch: evidence, alarm
+//! model: constants of any layout ─► embedded: constants, names ─► stream: detector and monitor, over traces
+//!                                                                    ├─► segment: SegmentReport (words: reasons)
+//!                                                                    └─► watch: the evidence after it
 //! features: names of the features, and the maps between raw and δ-parameters
 //! ```
 
@@ -21,7 +21,7 @@ mod words;
 pub use embedded::Embedded;
 pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
-pub use stream::Stream;
-pub use watch::{Watched, Watcher};
+pub use stream::{Judged, Stream};
+pub use watch::Watched;
 pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring, column, fields};
 pub use words::{denied, stuck_channels};

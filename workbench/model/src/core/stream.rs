@@ -1,18 +1,24 @@
-//! Traces through the detector, whole or in pieces.
+//! Traces through the two halves of the firmware, whole or in pieces.
 
-use bearing_watch::alarm::Baseline;
+use bearing_watch::alarm::StateError;
+use bearing_watch::model::BaselineConstants;
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Detector, Report};
+use bearing_watch::{Detector, Following, Monitor};
 
 use super::embedded::Embedded;
 use super::segment::SegmentReport;
+use super::watch::Watched;
 use crate::trace::Trace;
 
-/// A detector between two samples of a trace.
+/// A segment with the evidence after it.
+pub type Judged = (SegmentReport, Watched);
+
+/// Detector and monitor of a drive, between two samples of a trace. The monitor goes on from trace to trace.
 #[derive(Clone, Debug)]
 pub struct Stream<'m> {
     model: &'m Embedded,
     detector: Detector<'m, RunTime>,
+    monitor: Monitor<'m, RunTime, Following<RunTime>>,
     /// Number of samples so far.
     taken: usize,
     /// Number of samples before the open segment.
@@ -25,44 +31,57 @@ impl Embedded {
     /// Runs one trace through the detector; a partial last segment counts if it is more than half a segment.
     #[must_use]
     pub fn run(&self, trace: &Trace) -> Vec<SegmentReport> {
-        self.run_following(trace, None)
+        self.stream().run(trace, false).into_iter().map(|(segment, _)| segment).collect()
     }
 
-    /// As [`Embedded::run`], with a baseline that follows slow changes from trace to trace.
-    #[must_use]
-    pub fn run_following(&self, trace: &Trace, mut baseline: Option<&mut Baseline<RunTime>>) -> Vec<SegmentReport> {
-        let mut stream = self.stream();
-        let mut segments = stream.take(trace, baseline.as_deref_mut());
-        segments.extend(stream.finish(baseline));
-        segments
-    }
-
-    /// The detector before the first sample of a trace that comes in pieces.
+    /// The detector and its monitor before the first sample of a drive.
     #[must_use]
     pub fn stream(&self) -> Stream<'_> {
-        Stream::new(self, Detector::new(self.model()))
+        Stream::new(self, Monitor::new(self.model()).following_if(None))
+    }
+
+    /// As [`Embedded::stream`], with a baseline that follows slow changes from trace to trace, with this time constant in
+    /// segments and this bound in healthy standard deviations. `None` if one of them is out of range, or the model has
+    /// no healthy class.
+    #[must_use]
+    pub fn stream_following(&self, segments: f32, bound: f32) -> Option<Stream<'_>> {
+        let monitor = Monitor::new(self.model()).following(BaselineConstants::new(segments, bound));
+        monitor.baseline().is_some().then(|| Stream::new(self, monitor.clone()))
     }
 }
 
 impl<'m> Stream<'m> {
-    const fn new(model: &'m Embedded, detector: Detector<'m, RunTime>) -> Self {
-        Self { model, detector, taken: 0, start: 0, first: true }
+    fn new(model: &'m Embedded, monitor: Monitor<'m, RunTime, Following<RunTime>>) -> Self {
+        Self { model, detector: Detector::new(model.model()), monitor, taken: 0, start: 0, first: true }
     }
 
-    /// Number of samples so far.
+    /// Number of samples of the trace so far.
     #[must_use]
     pub const fn taken(&self) -> usize {
         self.taken
     }
 
-    /// Takes the next samples, and returns the segments that end with them. A baseline follows slow changes.
-    pub fn take(&mut self, piece: &Trace, mut baseline: Option<&mut Baseline<RunTime>>) -> Vec<SegmentReport> {
+    /// Runs a whole trace; a run, from power-up to power-up, may end with it.
+    pub fn run(&mut self, trace: &Trace, run_ends: bool) -> Vec<Judged> {
+        let mut segments = self.take(trace);
+        segments.extend(self.end());
+        if run_ends {
+            self.monitor.end_run();
+            if let Some((_, watched)) = segments.last_mut() {
+                *watched = self.watched();
+            }
+        }
+        segments
+    }
+
+    /// Takes the next samples, and returns the segments that end with them.
+    pub fn take(&mut self, piece: &Trace) -> Vec<Judged> {
         let mut feed = self.model.feed(piece);
         let mut segments = Vec::new();
         for k in 0..piece.y.len() {
             self.taken += 1;
-            if let Some(report) = self.detector.step(feed.at(k)) {
-                segments.push(self.judged(report, baseline.as_deref_mut()));
+            if self.monitor.step(&mut self.detector, feed.at(k)).is_some() {
+                segments.extend(self.judged());
                 (self.start, self.first) = (self.taken, false);
             }
         }
@@ -70,32 +89,63 @@ impl<'m> Stream<'m> {
     }
 
     /// Ends the trace, and returns its last segment: the open one if it is more than half a segment, or the only one.
-    /// The next sample is the first of another trace.
-    pub fn finish(&mut self, baseline: Option<&mut Baseline<RunTime>>) -> Option<SegmentReport> {
-        // The model contains the spread of complete segments, so a segment of less than half the length has no verdict.
+    /// The next sample is the first of another trace. A run may end with it.
+    pub fn finish(&mut self, run_ends: bool) -> Option<Judged> {
+        let last = self.end();
+        if !run_ends {
+            return last;
+        }
+        self.monitor.end_run();
+        last.map(|(segment, _)| (segment, self.watched()))
+    }
+
+    fn end(&mut self) -> Option<Judged> {
         let (pending, whole) = (self.detector.pending(), self.model.sampling().segment_samples);
-        let report = self.detector.finish();
-        let last = if pending > whole / 2 {
-            Some(self.judged(report, baseline))
+        let short = pending <= whole / 2;
+        let last = if short && !self.first {
+            None
         } else {
-            self.first.then(|| {
-                let problem = format!("{pending} samples are no more than half a segment of {whole}");
-                self.placed(self.model.segment(&report)).undetermined(problem)
-            })
+            self.monitor.finish(&mut self.detector);
+            self.judged()
         };
-        *self = self.model.stream();
+        let last = last.map(|(segment, watched)| {
+            if !short {
+                return (segment, watched);
+            }
+            let problem = format!("{pending} samples are no more than half a segment of {whole}");
+            (SegmentReport { followed: None, ..segment.undetermined(problem) }, watched)
+        });
+        self.detector = Detector::new(self.model.model());
+        (self.taken, self.start, self.first) = (0, 0, true);
         last
     }
 
-    fn judged(&self, mut report: Report<RunTime>, baseline: Option<&mut Baseline<RunTime>>) -> SegmentReport {
-        let followed = baseline.map(|own| {
-            self.model.model().follow(own, &mut report);
-            (own.offset().to_vec(), own.at_bound())
-        });
-        SegmentReport { followed, ..self.placed(self.model.segment(&report)) }
+    /// The last segment, with what is known then.
+    fn judged(&self) -> Option<Judged> {
+        let segment = self.model.segment(self.monitor.report()?);
+        let followed = self.monitor.baseline().map(|own| (own.offset().to_vec(), own.at_bound()));
+        let (start, length) = (self.start, self.taken - self.start);
+        Some((SegmentReport { start, length, followed, ..segment }, self.watched()))
     }
 
-    fn placed(&self, segment: SegmentReport) -> SegmentReport {
-        SegmentReport { start: self.start, length: self.taken - self.start, ..segment }
+    fn watched(&self) -> Watched {
+        Watched::of(self.monitor.evidence())
+    }
+
+    /// The evidence, with alarm and trend, and a baseline as bytes, as the firmware stores them.
+    #[must_use]
+    pub fn save(&self) -> Vec<u8> {
+        let mut bytes = vec![0; self.monitor.saved_len()];
+        // The buffer has the length that the state needs.
+        let _saved = self.monitor.save_within_run(&mut bytes);
+        bytes
+    }
+
+    /// Goes on from these bytes.
+    ///
+    /// # Errors
+    /// They are of another model, or no state.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), StateError> {
+        self.monitor.restore(bytes)
     }
 }

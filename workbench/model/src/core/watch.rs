@@ -1,6 +1,6 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
-use bearing_watch::alarm::{Baseline, Silence, StateError, Trend};
+use bearing_watch::alarm::{Silence, Trend};
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Alarm, Cause, Decision, Evidence, Model};
 
@@ -20,6 +20,11 @@ pub struct Watched {
 }
 
 impl Watched {
+    pub(super) fn of(evidence: &Evidence<RunTime>) -> Self {
+        let (score, alarm) = (evidence.score(), evidence.alarm());
+        Self { score, alarm, trend: evidence.trend(), silence: evidence.silence() }
+    }
+
     /// The class that the alarm names; `unknown` if it names none.
     #[must_use]
     pub fn cause<'a>(&self, classes: &'a [String]) -> Option<&'a str> {
@@ -30,53 +35,17 @@ impl Watched {
     }
 }
 
-/// The core's evidence over the segments of one drive.
-#[derive(Clone, Debug)]
-pub struct Watcher<'a> {
-    model: &'a Model<RunTime>,
-    evidence: Evidence<RunTime>,
-}
-
-impl<'a> Watcher<'a> {
-    pub(super) fn new(model: &'a Model<RunTime>) -> Self {
-        Self { model, evidence: model.evidence() }
-    }
-
-    /// Takes the next segment; a run ends with it, from power-up to power-up, if it is the `last` one.
-    pub fn observe(&mut self, segment: &SegmentReport, last: bool) -> Watched {
-        match (decision(self.model, segment), segment.reason) {
-            (None, Some(reason)) => self.evidence.observe_outcome(Err(reason)),
-            (decision, _) => self.evidence.observe(decision.as_ref()),
+/// State of the core's evidence after each of these segments.
+pub(super) fn over(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Watched> {
+    let mut evidence = model.evidence();
+    let mut observe = |segment: &SegmentReport| {
+        match (decision(model, segment), segment.reason) {
+            (None, Some(reason)) => evidence.observe_outcome(Err(reason)),
+            (decision, _) => evidence.observe(decision.as_ref()),
         };
-        if last {
-            self.end_run();
-        }
-        let evidence = &self.evidence;
-        let (score, alarm) = (evidence.score(), evidence.alarm());
-        Watched { score, alarm, trend: evidence.trend(), silence: evidence.silence() }
-    }
-
-    /// Ends a run after the last segment.
-    pub fn end_run(&mut self) {
-        self.evidence.end_run();
-    }
-
-    /// The evidence, with alarm and trend, and a baseline as bytes, as the firmware stores them.
-    #[must_use]
-    pub fn save(&self, baseline: Option<&Baseline<RunTime>>) -> Vec<u8> {
-        let mut bytes = vec![0; self.model.saved_len()];
-        // The buffer has the length that the state needs.
-        let _saved = self.model.save(&self.evidence, baseline, &mut bytes);
-        bytes
-    }
-
-    /// Goes on from these bytes.
-    ///
-    /// # Errors
-    /// They are of another model, or no state.
-    pub fn restore(&mut self, bytes: &[u8], baseline: Option<&mut Baseline<RunTime>>) -> Result<(), StateError> {
-        self.model.restore(bytes, &mut self.evidence, baseline)
-    }
+        Watched::of(&evidence)
+    };
+    segments.iter().map(&mut observe).collect()
 }
 
 /// Reconstructs the decision on a segment; `None` if it had none.

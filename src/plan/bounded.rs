@@ -1,0 +1,237 @@
+//! Plans of firmware that reads models of many layouts, without an allocator: every array has places for the largest.
+
+use super::lengths::triangle;
+use super::{Layout, Signals};
+use crate::signal::Angle;
+
+/// Most elements of each array of a plan that [`bounded_plan!`](crate::bounded_plan!) defines, by the names of
+/// [`Layout`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Bounds {
+    /// Channels of a sample.
+    pub channels: usize,
+    /// Columns of a row of the regression.
+    pub columns: usize,
+    /// Parameters of the regression.
+    pub parameters: usize,
+    /// Samples held to delay the inputs.
+    pub delays: usize,
+    /// Filter cells of instrumental variables.
+    pub filters: usize,
+    /// Bearing orders.
+    pub orders: usize,
+    /// Averaged channels.
+    pub averages: usize,
+    /// Features.
+    pub features: usize,
+    /// Covariates.
+    pub covariates: usize,
+    /// Coordinates.
+    pub coordinates: usize,
+    /// Coordinates that only rise with a defect.
+    pub rising: usize,
+    /// Classes.
+    pub classes: usize,
+    /// Elements of the projection.
+    pub map: usize,
+    /// Elements of the factors of all covariances.
+    pub densities: usize,
+}
+
+#[doc(hidden)]
+#[allow(missing_docs, reason = "they are those of a layout")]
+#[allow(clippy::must_use_candidate, reason = "for the macro")]
+impl Bounds {
+    /// Whether every array of a model of this layout has its places.
+    #[inline]
+    pub fn hold(&self, layout: &Layout) -> bool {
+        let lengths = [
+            (layout.channels as usize, self.channels),
+            (layout.columns(), self.columns),
+            (layout.parameters(), self.parameters),
+            (layout.delays(), self.delays),
+            (layout.filters(), self.filters),
+            (layout.orders(), self.orders),
+            (layout.averages(), self.averages),
+            (layout.features as usize, self.features),
+            (layout.covariates as usize, self.covariates),
+            (layout.coordinates as usize, self.coordinates),
+            (layout.rising as usize, self.rising),
+            (layout.classes as usize, self.classes),
+            (layout.map(), self.map),
+            (layout.densities(), self.densities),
+        ];
+        layout.check().is_ok() && lengths.iter().all(|(length, most)| length <= most)
+    }
+
+    pub const fn regressed(&self) -> usize {
+        1
+    }
+
+    pub const fn squares(&self) -> usize {
+        1
+    }
+
+    pub const fn instruments(&self) -> usize {
+        1
+    }
+
+    pub const fn two_level(&self) -> usize {
+        1
+    }
+
+    pub const fn columns(&self) -> usize {
+        self.columns
+    }
+
+    pub const fn packed(&self) -> usize {
+        triangle(self.columns.saturating_sub(1))
+    }
+
+    pub const fn parameters(&self) -> usize {
+        self.parameters
+    }
+
+    pub const fn covariance(&self) -> usize {
+        triangle(self.parameters)
+    }
+
+    pub const fn delays(&self) -> usize {
+        self.delays
+    }
+
+    pub const fn filters(&self) -> usize {
+        self.filters
+    }
+
+    pub const fn watched(&self) -> usize {
+        1
+    }
+
+    pub const fn orders(&self) -> usize {
+        self.orders
+    }
+
+    pub const fn averages(&self) -> usize {
+        self.averages
+    }
+
+    pub const fn explained(&self) -> usize {
+        self.features * self.covariates
+    }
+
+    pub const fn map(&self) -> usize {
+        self.map
+    }
+
+    pub const fn density(&self) -> usize {
+        triangle(self.coordinates)
+    }
+
+    pub const fn densities(&self) -> usize {
+        self.densities
+    }
+
+    pub const fn laws(&self) -> usize {
+        if self.rising == 0 { 0 } else { self.rising + 1 }
+    }
+
+    pub const fn means(&self) -> usize {
+        self.classes * self.coordinates
+    }
+
+    pub const fn costs(&self) -> usize {
+        self.classes * self.classes
+    }
+}
+
+/// A sample of a bounded plan: the channels in the order of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Values<const CHANNELS: usize> {
+    values: [f32; CHANNELS],
+    angle: Angle,
+}
+
+impl<const CHANNELS: usize> Signals for Values<CHANNELS> {
+    #[inline(always)]
+    fn of(values: &[f32], angle: Angle) -> Self {
+        let mut all = [0.0; CHANNELS];
+        all.iter_mut().zip(values).for_each(|(cell, value)| *cell = *value);
+        Self { values: all, angle }
+    }
+
+    #[inline(always)]
+    fn value(&self, channel: usize) -> f32 {
+        self.values.get(channel).copied().unwrap_or(0.0)
+    }
+
+    #[inline(always)]
+    fn angle(&self) -> Angle {
+        self.angle
+    }
+}
+
+/// Defines a [`Plan`](crate::plan::Plan) of all models up to some [`Bounds`], whose layout a model brings. A larger model
+/// is refused.
+///
+/// ```
+/// use bearing_watch::plan::{Bounds, Layout, Plan};
+/// const LARGEST: Bounds = Bounds {
+///     channels: 3, columns: 8, parameters: 7, delays: 4, filters: 0, orders: 0, averages: 2, features: 8,
+///     covariates: 1, coordinates: 4, rising: 0, classes: 3, map: 32, densities: 10,
+/// };
+/// bearing_watch::bounded_plan! {
+///     /// The plan of small models.
+///     pub struct Small(LARGEST);
+/// }
+/// assert!(Small::of(Layout { channels: 4, ..Layout::EMPTY }).is_none());
+/// ```
+#[macro_export]
+macro_rules! bounded_plan {
+    ($(#[$of_plan:meta])* $visibility:vis struct $plan:ident($bounds:expr);) => {
+        $(#[$of_plan])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $visibility struct $plan($crate::plan::Layout);
+
+        const _: () = {
+            const BOUNDS: $crate::plan::Bounds = $bounds;
+
+            impl $crate::plan::Plan for $plan {
+                type Sample = $crate::plan::Values<{ BOUNDS.channels }>;
+                $crate::plan_types!(Bounded, Bounded, BOUNDS);
+
+                #[inline(always)]
+                fn layout(self) -> $crate::plan::Layout {
+                    self.0
+                }
+
+                fn of(layout: $crate::plan::Layout) -> Option<Self> {
+                    BOUNDS.hold(&layout).then_some(Self(layout))
+                }
+
+                fn channels() -> Option<&'static [(&'static str, &'static str)]> {
+                    None
+                }
+            }
+
+            $crate::defmt_formats!($plan);
+        };
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_beyond_the_last_channel_are_zero() {
+        let sample = Values::<8>::of(&[1.0, 2.0], Angle::from_bits(7));
+        assert_eq!(
+            [0, 1, 2, 100].map(|channel| sample.value(channel).to_bits()),
+            [1.0_f32, 2.0, 0.0, 0.0].map(f32::to_bits)
+        );
+        assert_eq!(sample.angle(), Angle::from_bits(7));
+    }
+}
