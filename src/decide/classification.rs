@@ -10,7 +10,7 @@ use super::discriminant::Decision;
 use super::features::{Estimates, FeatureValue};
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::reason::{Part, Reason};
-use crate::regression::factor::pairs;
+use crate::regression::factor::{numbered, pairs};
 
 /// A classification in steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,7 +114,7 @@ impl<P: Plan> Classification<P> {
             Cells::filled(layout.features as usize, FeatureValue::MISSING);
         let mut reason = of_covariates;
         let cells = features.cells_mut().iter_mut().zip(decision.missing.cells_mut());
-        for (k, ((cell, missing), feature)) in cells.zip(classifier.features.cells()).enumerate() {
+        for (k, ((cell, missing), feature)) in numbered(cells.zip(classifier.features.cells())) {
             let value = feature.value(plan, estimates);
             *cell = corrected(classifier, value, k, departures.cells());
             reason = reason.or(value.err());
@@ -123,7 +123,7 @@ impl<P: Plan> Classification<P> {
         let mut available = false;
         let features = features.cells();
         let cells = self.coordinates.cells_mut().iter_mut().zip(self.variances.cells_mut());
-        for (k, (cell, variance)) in cells.enumerate() {
+        for (k, (cell, variance)) in numbered(cells) {
             let z = classifier.projection.coordinate(features, k);
             (*cell, *variance) = (z.value, z.variance);
             available |= !z.is_missing();
@@ -140,7 +140,7 @@ impl<P: Plan> Classification<P> {
         let mut likelihoods: Array<P::Classes, f32> = Cells::filled(plan.layout().classes as usize, 0.0);
         let mut density = discriminant.density(kind, z.len(), variances, 0);
         let cells = likelihoods.cells_mut().iter_mut().zip(decision.beyond.cells_mut());
-        for (class, (likelihood, beyond)) in (0_u8..).zip(cells) {
+        for (class, (likelihood, beyond)) in (0..u8::MAX).zip(cells) {
             if kind == Kind::Quadratic && class > 0 {
                 density = discriminant.density(kind, z.len(), variances, class as usize);
             }
@@ -185,8 +185,8 @@ fn covariates<P: Plan>(
     departures: &mut [FeatureValue],
 ) -> Option<Reason> {
     let mut reason = None;
-    let cells = departures.iter_mut().zip(decision.outside.cells_mut());
-    for (place, ((cell, outside), covariate)) in (0_u8..).zip(cells.zip(classifier.covariates.list.cells())) {
+    let cells = pairs(departures, decision.outside.cells_mut());
+    for (place, ((cell, outside), covariate)) in pairs(0..u8::MAX, pairs(cells, classifier.covariates.list.cells())) {
         let departure = covariate.feature.value(plan, estimates).map(|value| covariate.departure(value));
         *cell = departure.unwrap_or(FeatureValue::MISSING);
         *outside = cell.is_missing();

@@ -17,7 +17,7 @@
 use super::gates::Departure;
 use super::gates::density::Density;
 use crate::plan::{Array, Cells, Kind, Plan};
-use crate::regression::factor::pairs;
+use crate::regression::factor::{numbered, pairs};
 
 /// The mark of a decision that was made without a model.
 pub const UNMARKED: u32 = 0;
@@ -195,7 +195,7 @@ impl<P: Plan> Discriminant<P> {
     fn join(&self, log_likelihoods: &[f32], decision: &mut Decision<P>) -> Option<f32> {
         let mut largest = f32::NEG_INFINITY;
         let cells = decision.posteriors.cells_mut().iter_mut().zip(decision.log_likelihoods.cells_mut());
-        for (class, (joint, cell)) in cells.enumerate() {
+        for (class, (joint, cell)) in numbered(cells) {
             let likelihood = log_likelihoods.get(class).copied().unwrap_or(f32::NAN);
             *joint = likelihood + self.log_prior.cells().get(class).copied().unwrap_or(f32::NAN);
             // A NaN stays, since nothing is greater.
@@ -211,7 +211,7 @@ impl<P: Plan> Discriminant<P> {
     #[inline(never)]
     fn choose(&self, decision: &mut Decision<P>) -> bool {
         let (posteriors, mut least) = (decision.posteriors.cells(), f32::INFINITY);
-        for (class, cell) in (0_u8..).zip(decision.expected_costs.cells_mut()) {
+        for (class, cell) in (0..u8::MAX).zip(decision.expected_costs.cells_mut()) {
             let costs = self.costs.cells().get((class as usize).wrapping_mul(posteriors.len())..).unwrap_or(&[]);
             *cell = pairs(costs, posteriors).fold(0.0, |sum, (cost, posterior)| sum + cost * posterior);
             if *cell < least {

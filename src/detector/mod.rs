@@ -289,7 +289,7 @@ impl<'m, P: Plan> Detector<'m, P> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         // Part by part and in place: a new detector would be moved twice.
         if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
-            *estimator = Estimator::new(plan, regression).after(estimator);
+            estimator.restart(plan, regression);
         }
         if let (Some(shaft), Some(own)) = (self.shaft.part_mut(), constants.shaft.part()) {
             *shaft = Shaft::new(plan, own);

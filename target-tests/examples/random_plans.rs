@@ -16,9 +16,8 @@ mod any_plan;
 use core::fmt::{self, Write as _};
 
 use bearing_watch::drive::{By, CleanSample, Factor, FrontEnd, RawSample};
-use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Verdict};
+use bearing_watch::{Angle, Detector, Model, Monitor, Report, Segment, Verdict};
 
 use any_plan::{AnyPlan, Values};
 use support::damage::{CHANNELS, Damage, Dice, Recipe};
@@ -80,7 +79,7 @@ impl fmt::Write for Text {
 struct Rest<'m> {
     model: &'m Model<AnyPlan>,
     detector: Detector<'m, AnyPlan>,
-    evidence: Evidence<AnyPlan>,
+    monitor: Monitor<'m, AnyPlan>,
     /// The report of the last segment, and the number of samples until it is handed over.
     late: Option<(Report<AnyPlan>, u32)>,
     dice: Dice,
@@ -91,8 +90,8 @@ struct Rest<'m> {
 
 impl<'m> Rest<'m> {
     fn new(model: &'m Model<AnyPlan>, dice: Dice) -> Self {
-        let (detector, evidence) = (Detector::new(model), model.evidence());
-        Self { model, detector, evidence, late: None, dice, text: Text(0x811c_9dc5), segments: 0, decided: 0 }
+        let (detector, monitor) = (Detector::new(model), Monitor::new(model));
+        Self { model, detector, monitor, late: None, dice, text: Text(0x811c_9dc5), segments: 0, decided: 0 }
     }
 
     fn take(&mut self, sample: &Values) {
@@ -110,17 +109,18 @@ impl<'m> Rest<'m> {
     }
 
     fn conclude(&mut self, segment: Segment<AnyPlan>) {
-        let report = if self.dice.below(2) == 0 {
-            conclude(self.model, segment)
+        if self.dice.below(2) == 0 {
+            self.monitor.conclude(segment);
         } else {
-            let mut solver = Solver::new(self.model, segment);
-            while solver.advance().is_none() {}
-            solver.finish()
-        };
+            self.monitor.take(segment);
+            while self.monitor.is_solving() {
+                self.monitor.advance();
+            }
+        }
+        let (alarm, score) = (self.monitor.alarm(), self.monitor.evidence().score());
+        let Some(report) = self.monitor.report().cloned() else { return };
         self.segments += 1;
         self.decided += u32::from(!matches!(report.verdict, Verdict::Undetermined(_)));
-        let alarm = self.evidence.observe(report.decision.as_ref());
-        let score = self.evidence.score();
         self.add(format_args!("{report:?} {alarm:?} {score:?}"));
         self.late = Some((report, self.dice.below(40)));
     }

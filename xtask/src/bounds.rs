@@ -62,7 +62,7 @@ pub const BOUNDS: [Bound; 86] = [
     bound("LS and shaft, 4 orders of 3 harmonics, conclude", Some(4), 46_100),
     bound("LS and shaft, 4 orders of 3 harmonics, longest step", Some(4), 4750),
     bound("shaft alone, 1 order without load, collect, mean sample", Some(1), 715),
-    bound("shaft alone, 1 order without load, longest step", Some(1), 2940),
+    bound("shaft alone, 1 order without load, longest step", Some(1), 3010),
     // The most that a search over damaged streams finds.
     bound("LS detector, collect, longest sample, any data", Some(8), 590),
     bound("LS detector, collect, sample that closes, any data", Some(8), 1352),
@@ -81,7 +81,7 @@ pub const BOUNDS: [Bound; 86] = [
     bound("LS and shaft, 4 orders of 3 harmonics, discard, any data", Some(4), 5790),
     bound("shaft alone, 1 order without load, collect, longest sample, any data", Some(1), 1130),
     bound("shaft alone, 1 order without load, conclude, any data", Some(1), 20_400),
-    bound("shaft alone, 1 order without load, longest step, any data", Some(1), 3050),
+    bound("shaft alone, 1 order without load, longest step, any data", Some(1), 3150),
     bound("front end, converter, 2 currents, worst sample, any data", Some(8), 560),
     bound("front end, converter, 2 currents, worst sample, any data", Some(10), 670),
     bound("front end, resolver, 3 currents, 2 further, worst sample, any data", Some(8), 850),

@@ -23,6 +23,7 @@ use core::f32::consts::LN_2;
 
 use super::law::{Law, equivalent, surprise};
 use crate::logarithm::ln;
+use crate::regression::factor::pairs;
 
 /// A value that is not available.
 pub(crate) const MISSING: f32 = f32::NEG_INFINITY;
@@ -76,7 +77,7 @@ pub(crate) fn limit_of_one(limit: f32, rising: usize, others: bool) -> f32 {
 #[inline(never)]
 pub(crate) fn rarest(laws: &[Law], judged: &mut [f32], [others, coordinates]: [usize; 2]) -> f32 {
     let all_others = coordinates.saturating_sub(laws.len().saturating_sub(1));
-    for (k, (law, value)) in laws.iter().zip(&mut *judged).enumerate() {
+    for (k, (law, value)) in pairs(0..usize::MAX, pairs(laws, &mut *judged)) {
         if *value != MISSING {
             *value = if k == 0 { surprise(law, equivalent(*value, others, all_others)) } else { far(law, *value) };
         }

@@ -87,9 +87,12 @@ impl<P: Plan> Estimator<P> {
         }
     }
 
-    /// Counts segments on from those of another estimator, so that no estimate of it passes for one of this.
-    pub fn after(self, before: &Self) -> Self {
-        Self { segment: before.segment.next(), ..self }
+    /// Starts afresh, in place; segments are counted on, so that no earlier estimate passes for one of the next segment.
+    pub fn restart(&mut self, plan: P, constants: &Regression<P>) {
+        self.rows = Rows::new(plan, constants);
+        self.sums.empty();
+        self.segment = self.segment.next();
+        (self.count, self.motion, self.downweighted, self.resting) = (0, 0.0, 0, 0);
     }
 
     /// Takes an accepted sample; `y_limit` is the largest plausible output. Once the segment has as many rows as its

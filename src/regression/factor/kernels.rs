@@ -36,6 +36,17 @@ pub fn pairs<A, B>(a: impl IntoIterator<Item = A>, b: impl IntoIterator<Item = B
     core::iter::from_fn(move || Some((a.next()?, b.next()?)))
 }
 
+/// Elements with their places. A count as by `enumerate` would be checked for overflow in a build with such checks.
+#[inline(always)]
+pub fn numbered<T>(list: impl IntoIterator<Item = T>) -> impl Iterator<Item = (usize, T)> {
+    let mut next = 0_usize;
+    list.into_iter().map(move |element| {
+        let place = next;
+        next = place.wrapping_add(1);
+        (place, element)
+    })
+}
+
 /// Rotates pivot i of a row of the element `xi` there and `later` elements right of it; `ri` is row i of R right of the
 /// diagonal.
 #[inline(always)]

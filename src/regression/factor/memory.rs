@@ -203,8 +203,7 @@ impl<P: Plan> Sums<P> {
             // Samples that passed a validated gate cannot cause this, but a memory that fades must not keep it for
             // ever.
             if !self.sum.is_finite() {
-                self.sum.reset();
-                (self.motion, self.faded_rows, self.unexcited) = (0.0, 0.0, EXCITED);
+                self.empty();
             }
             return;
         }
@@ -213,6 +212,15 @@ impl<P: Plan> Sums<P> {
             block.reset();
             self.place = 0;
         }
+    }
+
+    /// Forgets all rows.
+    pub fn empty(&mut self) {
+        self.sum.reset();
+        if let Some(block) = self.block.part_mut() {
+            block.reset();
+        }
+        (self.place, self.motion, self.faded_rows, self.unexcited) = (0, 0.0, 0.0, EXCITED);
     }
 }
 

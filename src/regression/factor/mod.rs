@@ -11,7 +11,7 @@ mod solve;
 mod triangle;
 mod weight;
 
-pub use kernels::pairs;
+pub use kernels::{numbered, pairs};
 pub use memory::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS, Sums, longest};
 pub use problem::{Problem, SolveError, Solved, lower};
 pub use solve::Solution;

@@ -129,7 +129,7 @@ impl Estimated {
         let (weights, terms) = (balance.in_drag(), Balance::terms(load));
         let weight = |term: usize| weights.get(term).copied().unwrap_or(0.0);
         let (mut value, mut nominal, mut variance) = (0.0, 0.0, 0.0);
-        for (k, (&term, delta)) in terms.iter().zip(&self.delta).enumerate() {
+        for (k, (&term, delta)) in pairs(0..usize::MAX, pairs(terms, &self.delta)) {
             let w = weight(term);
             if w == 0.0 {
                 continue;

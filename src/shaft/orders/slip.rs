@@ -46,6 +46,7 @@ use super::noise::NoiseLine;
 use super::phasor::phasor;
 use crate::logarithm::ln;
 use crate::plan::MAX_HARMONICS;
+use crate::regression::factor::pairs;
 
 /// Slips that are tried on each side of zero.
 const SIDE: i8 = 8;
@@ -110,12 +111,12 @@ impl Search {
     #[inline(never)]
     pub(in crate::shaft) fn new(sums: &LineSums, noise: &NoiseLine, order: &TrackedOrder, range: &SlipRange) -> Self {
         let (variance, uncertain) = noise.at(order.order());
-        let pairs = Pairs::of(sums.pairs);
-        let power = Power::of(sums, &pairs, order, noise, variance);
+        let of_pairs = Pairs::of(sums.pairs);
+        let power = Power::of(sums, &of_pairs, order, noise, variance);
         let peak = power.peak(range.turns(order));
         let (shift, curvature, best) = peak.vertex();
         let slip = (f32::from(peak.at) + shift) * range.slip / f32::from(SIDE);
-        Self { pairs, variance, uncertain, slopes: power.slopes, best, slip, curvature }
+        Self { pairs: of_pairs, variance, uncertain, slopes: power.slopes, best, slip, curvature }
     }
 
     /// What the largest P says.
@@ -221,10 +222,10 @@ struct Power {
 impl Power {
     /// Of all harmonics, with noise of this variance at the order.
     #[inline(never)]
-    fn of(sums: &LineSums, pairs: &Pairs, order: &TrackedOrder, noise: &NoiseLine, variance: f32) -> Self {
+    fn of(sums: &LineSums, of_pairs: &Pairs, order: &TrackedOrder, noise: &NoiseLine, variance: f32) -> Self {
         let mut power = Self { terms: [[0.0; 2]; COMBINED], constant: 0.0, slopes: 0.0 };
-        for (h, weight) in order.weights.iter().enumerate() {
-            power.add(sums, pairs, h, *weight, variance * noise.ratio(h));
+        for (h, weight) in pairs(0..usize::MAX, &order.weights) {
+            power.add(sums, of_pairs, h, *weight, variance * noise.ratio(h));
         }
         power
     }

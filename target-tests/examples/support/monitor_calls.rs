@@ -21,12 +21,17 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
                 Detector::is_in_first_half(detector),
             ));
             Monitor::take(&mut monitor, segment);
+            opaque((Monitor::complete(&mut monitor).is_some(), Monitor::withdraw(&mut monitor, opaque(3))));
             for _ in 0..opaque(50) {
                 opaque((Monitor::advance(&mut monitor).is_some(), Monitor::is_solving(&monitor)));
             }
         }
     }
+    let mut other = opaque(Monitor::following_if(Monitor::new(model), opaque(Some(constants))));
+    opaque(Monitor::step(&mut other, detector, &sample()).is_some());
+    opaque(Monitor::finish(&mut other, detector).alarm);
     let mut bytes = opaque([0; 1000]);
+    opaque(Monitor::save_within_run(&other, &mut bytes).is_ok());
     opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor), Monitor::trend(&monitor)));
     opaque((Monitor::report(&monitor).is_some(), Monitor::baseline(&monitor).is_some(), Monitor::saved_len(&monitor)));
     opaque((Monitor::save(&mut monitor, &mut bytes).is_ok(), Monitor::restore(&mut monitor, &bytes).is_ok()));
