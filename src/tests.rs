@@ -3,8 +3,8 @@
 
 use crate::detector::Detector;
 use crate::model::{
-    Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Model,
-    Novelty, Projection, Regression, Sampling,
+    Channel, Classifier, Constants, Covariates, Directions, Discriminant, EvidenceConstants, Feature, Forgetting,
+    Label, Model, Novelty, Projection, Regression, Sampling,
 };
 use crate::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 use crate::report::Report;
@@ -70,6 +70,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
             laws: [],
             freedom: 1.0,
             limit: f32::INFINITY,
+            directions: Directions::NONE,
         },
     },
     evidence: EvidenceConstants::NONE,

@@ -43,6 +43,14 @@ pub struct BwAlarm {
     pub silent_segments: u32,
     /// The most frequent reason of them.
     pub silent_reason: BwReason,
+    /// Whether the alarm names what has risen above what is usual for this drive.
+    pub risen: bool,
+    /// The coordinate that has risen; without a projection it is the feature at this place.
+    pub coordinate: u8,
+    /// By how many standard deviations of runs.
+    pub deviations: f32,
+    /// Number of the last segment before it rose.
+    pub since: u32,
 }
 
 /// Gives the alarm.
@@ -62,7 +70,7 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
                 Some(Cause::Class(class)) => Some(class),
                 _ => None,
             };
-            let trend = evidence.trend();
+            let (trend, main) = (evidence.trend(), evidence.main_contribution());
             let silence = evidence.silence();
             let (silent_reason, silent_place) =
                 silence.and_then(|silence| silence.reason).map_or((BwReason::None, 0), named);
@@ -83,6 +91,13 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
                 silent_place,
                 silent_segments: silence.map_or(0, |silence| silence.segments),
                 silent_reason,
+                risen: main.is_some(),
+                coordinate: match cause {
+                    Some(Cause::Coordinate(place)) => place,
+                    _ => 0,
+                },
+                deviations: main.map_or(0.0, |main| main.deviations),
+                since: main.map_or(0, |main| main.since),
             }
         })
     });

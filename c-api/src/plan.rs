@@ -45,6 +45,8 @@ pub const BW_MAX_COVARIATES: usize = 4;
 pub const BW_MAX_COORDINATES: usize = 12;
 /// Largest number of coordinates that only rise with a defect.
 pub const BW_MAX_RISING: usize = 8;
+/// Largest number of directions that the alarm watches.
+pub const BW_MAX_DIRECTIONS: usize = 8;
 /// Largest number of classes.
 pub const BW_MAX_CLASSES: usize = 6;
 /// Largest number of elements of the projection: coordinates times features.
@@ -67,6 +69,7 @@ bearing_watch::bounded_plan! {
         covariates: BW_MAX_COVARIATES,
         coordinates: BW_MAX_COORDINATES,
         rising: BW_MAX_RISING,
+        directions: BW_MAX_DIRECTIONS,
         classes: BW_MAX_CLASSES,
         map: BW_MAX_PROJECTION,
         densities: BW_MAX_DENSITIES,

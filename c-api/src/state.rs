@@ -19,7 +19,7 @@ use crate::plan::Own;
 
 /// Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 /// exactly is needed.
-pub const BW_STATE_SIZE: usize = 21504;
+pub const BW_STATE_SIZE: usize = 23552;
 
 const _: () = assert!(size_of::<BwState>() <= BW_STATE_SIZE || cfg!(bearing_watch_plan));
 const _: () = assert!(align_of::<BwState>() <= BW_STATE_ALIGN);

@@ -41,6 +41,7 @@ macro_rules! classifier {
                 laws: $laws,
                 freedom: 100.0,
                 limit: f32::INFINITY,
+                directions: bearing_watch::model::Directions::NONE,
             },
         }
     };

@@ -47,15 +47,19 @@
 //! A segment beyond the gate of a defect ([`super::novelty`]) has an e-value of at most 1 for it, and adds nothing to
 //! its support: a sensor fault far from every class is no trained defect.
 //!
+//! A model with directions has [`Runs`] in the place of (1) … (4): the means of runs in each direction, relative to this
+//! drive, and an alarm that names the direction.
+//!
 //! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
 //! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
 //! Too many of them in a row are a [`Silence`].
 
 mod words;
 
+use super::runs::{Contribution, Runs};
 use super::silence::{Silence, SilenceLimits, Silent};
 use super::trend::{Drift, Trend};
-use crate::decide::{Decision, UNMARKED};
+use crate::decide::{Decision, Directions, UNMARKED};
 use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
@@ -92,6 +96,9 @@ pub enum Cause {
     Class(u8),
     /// Not healthy, and similar to no trained defect.
     Unknown,
+    /// The coordinate, by its place, whose runs have risen most above those of this drive. Without a projection it is
+    /// the feature at this place.
+    Coordinate(u8),
 }
 
 /// An alarm.
@@ -125,6 +132,10 @@ pub struct Evidence<P: Plan> {
     undetermined: u32,
     drift: Drift,
     silent: Silent,
+    /// Runs in the directions of the model; not used without directions.
+    runs: Runs<P>,
+    /// What raised the alarm.
+    main: Option<Contribution>,
     /// The mark of the model.
     model: u32,
 }
@@ -138,7 +149,7 @@ struct Score {
 }
 
 impl<P: Plan> Evidence<P> {
-    pub(crate) fn new(plan: P, constants: EvidenceConstants, healthy: Option<u8>) -> Self {
+    pub(crate) fn new(plan: P, constants: EvidenceConstants, directions: &Directions<P>, healthy: Option<u8>) -> Self {
         let classes = plan.layout().classes as usize;
         Self {
             constants,
@@ -152,6 +163,8 @@ impl<P: Plan> Evidence<P> {
             undetermined: 0,
             drift: Drift::NONE,
             silent: Silent::NONE,
+            runs: Runs::new(directions),
+            main: None,
             model: UNMARKED,
         }
     }
@@ -199,10 +212,20 @@ impl<P: Plan> Evidence<P> {
         let healthy = self.healthy?;
         self.drift.add(decision.distance);
         let EvidenceConstants { bet, cap, segments_a_run, .. } = self.constants;
-        self.novelty.add((ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
-        self.weigh_defects(healthy, decision);
         self.run = self.run.saturating_add(1);
-        if self.run >= segments_a_run { self.end_run() } else { self.alarm }
+        if self.runs.are_used() {
+            self.runs.add(decision.directed());
+        } else {
+            self.novelty.add((ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
+            self.weigh_defects(healthy, decision);
+        }
+        if self.run >= segments_a_run {
+            return self.end_run();
+        }
+        if self.runs.are_used() && self.runs.is_long(self.run) {
+            self.look();
+        }
+        self.alarm
     }
 
     /// The decision, if it is one of this model, or made without one, and has numbers.
@@ -240,6 +263,12 @@ impl<P: Plan> Evidence<P> {
     /// run has no decided segment.
     pub fn end_run(&mut self) -> Option<Alarm> {
         let (Some(healthy), 1..) = (self.healthy, self.run) else { return self.alarm };
+        if self.runs.are_used() {
+            let largest = self.look();
+            self.runs.end(self.run, self.constants.limit, largest, self.segments);
+            self.run = 0;
+            return self.alarm;
+        }
         let EvidenceConstants { limit, log_mean, defect_log_mean, .. } = self.constants;
         // Short: a run of one segment needs no logarithm.
         let length = if self.run == 1 { 0.0 } else { ln(self.run as f32) };
@@ -261,6 +290,17 @@ impl<P: Plan> Evidence<P> {
         self.alarm
     }
 
+    /// Raises the alarm if a direction reaches the limit in the run as it stands; the largest score.
+    fn look(&mut self) -> f32 {
+        let (largest, direction) = self.runs.largest(self.run, self.constants.limit);
+        if self.alarm.is_none() && largest >= self.constants.limit {
+            let cause = Cause::Coordinate(self.runs.coordinate(direction).unwrap_or(u8::MAX));
+            self.alarm = Some(Alarm { segment: self.segments, cause });
+            self.main = self.runs.standing(direction, largest);
+        }
+        largest
+    }
+
     fn likeliest(&self, healthy: u8) -> Cause {
         let mut best = (Cause::Unknown, f32::NEG_INFINITY);
         for (k, support) in (0_u8..).zip(self.support.cells()) {
@@ -280,7 +320,32 @@ impl<P: Plan> Evidence<P> {
     /// The largest of the scores (4) of the runs that have ended, nats; the alarm is raised where it reaches the limit.
     #[must_use]
     pub fn score(&self) -> f32 {
-        self.defects.cells().iter().map(|score| score.sum).fold(self.novelty.sum, f32::max)
+        self.defects.cells().iter().map(|score| score.sum).fold(self.novelty.sum, f32::max).max(self.runs.score())
+    }
+
+    /// What raised the alarm: the direction, by how many deviations, and since when; `None` without directions.
+    #[must_use]
+    pub const fn main_contribution(&self) -> Option<Contribution> {
+        self.main
+    }
+
+    /// What a direction contributes at the end of the last run; `None` if the model does not have it.
+    #[must_use]
+    pub fn contribution(&self, direction: u8) -> Option<Contribution> {
+        self.runs.contribution(direction)
+    }
+
+    /// Number of runs from which the usual mean of this drive is learned so far; 0 without directions.
+    #[must_use]
+    pub const fn learned_runs(&self) -> u16 {
+        self.runs.learned
+    }
+
+    /// The direction in which this drive, after three runs, lies more than three deviations from the drives of training:
+    /// it is another drive or has another sensor, and its alarms are in doubt.
+    #[must_use]
+    pub fn unlike_the_fleet(&self) -> Option<u8> {
+        self.runs.unlike_the_fleet()
     }
 
     /// Segments observed, and how many of them were undetermined.
@@ -303,11 +368,12 @@ impl<P: Plan> Evidence<P> {
         self.drift.trend()
     }
 
-    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend.
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence, trend, and what was learned of the drive.
     pub fn reset(&mut self) {
         self.defects.cells_mut().fill(Score::ZERO);
         self.support.cells_mut().fill(0.0);
-        (self.novelty, self.run) = (Score::ZERO, 0);
+        (self.novelty, self.run, self.main) = (Score::ZERO, 0, None);
+        self.runs.reset();
         (self.alarm, self.segments, self.undetermined) = (None, 0, 0);
         self.drift = Drift::NONE;
         self.silent.end();

@@ -4,7 +4,7 @@
 //! healthy class that follows the drive, and the state as bytes.
 //!
 //! ```text
-//! evidence        decisions of segments and runs ─► Alarm       trend, silence   growth; segments without a verdict
+//! evidence        decisions of segments, runs ─► Alarm          trend, silence   growth; segments without a verdict
 //! baseline        follows slow changes of a healthy drive       saved            alarm and baseline as bytes
 //! commissioning   learns the healthy class on the drive
 //! ```
@@ -12,12 +12,14 @@
 pub(crate) mod baseline;
 pub(crate) mod commissioning;
 pub(crate) mod evidence;
+mod runs;
 mod saved;
 mod silence;
 pub(crate) mod trend;
 
 pub use baseline::Baseline;
 pub use commissioning::{Commissioning, CommissioningError};
+pub use runs::Contribution;
 pub use saved::StateError;
 pub use silence::{Silence, SilenceLimits};
 pub use trend::Trend;

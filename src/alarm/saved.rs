@@ -5,9 +5,10 @@
 //! words   segments, undetermined, those of the run; cause and segment of the alarm; scores; support; sums of the trend
 //!         whether the baseline reached its bound; its offset, one word a coordinate
 //!         older sums of the trend; segments since the last verdict, and why they have none; constants of the baseline
+//!         what raised the alarm; runs learned, and of each direction the run, the drive's mean, scores and onsets
 //! ```
 //!
-//! The number of bytes depends on the plan only. Version 1, without the last line, is read too. Bytes of another model,
+//! The number of bytes depends on the plan only. Versions 1 and 2, without the last lines, are read too. Bytes of another model,
 //! by [`Model::id`], are refused: scores and offset are relative to its healthy class. So are those of a baseline with
 //! other constants, and numbers that segments of this model cannot leave: under a good checksum they come from a
 //! program that differs from this one. The bytes do not contain the open segment, which is lost at power-off, nor
@@ -25,8 +26,10 @@ use crate::model::Model;
 use crate::plan::Plan;
 
 const MAGIC: [u8; 4] = *b"BWST";
-const VERSION: u16 = 2;
-/// The version without the last words.
+const VERSION: u16 = 3;
+/// That of models without directions, without the last line.
+const SECOND_VERSION: u16 = 2;
+/// The version without the last two lines.
 const FIRST_VERSION: u16 = 1;
 const HEADER: usize = 16;
 /// Flag: there is a baseline.
@@ -103,7 +106,12 @@ impl<P: Plan> Model<P> {
     }
 
     fn words(&self) -> usize {
-        self.words_of(VERSION).unwrap_or(0)
+        self.words_of(self.state_version()).unwrap_or(0)
+    }
+
+    /// The version of a state of this model.
+    fn state_version(&self) -> u16 {
+        if self.plan().layout().directions > 0 { VERSION } else { SECOND_VERSION }
     }
 
     /// Number of words of a version; `None` for one that is not read.
@@ -112,7 +120,11 @@ impl<P: Plan> Model<P> {
         let first = Evidence::<P>::words(layout.classes).saturating_add(Baseline::<P>::words(layout.coordinates));
         match version {
             FIRST_VERSION => Some(first),
-            VERSION => Some(first.saturating_add(Evidence::<P>::LATER_WORDS + Baseline::<P>::LATER_WORDS)),
+            SECOND_VERSION | VERSION if version <= self.state_version() => {
+                let second = first.saturating_add(Evidence::<P>::LATER_WORDS + Baseline::<P>::LATER_WORDS);
+                let third = if version == VERSION { Evidence::<P>::third_words(layout.directions) } else { 0 };
+                Some(second.saturating_add(third))
+            }
             _ => None,
         }
     }
@@ -132,7 +144,7 @@ impl<P: Plan> Model<P> {
         let bytes = buffer.get_mut(..length).ok_or(StateError::BufferTooSmall)?;
         let (content, check) = bytes.split_last_chunk_mut().ok_or(StateError::BufferTooSmall)?;
         let (header, words) = content.split_first_chunk_mut().ok_or(StateError::BufferTooSmall)?;
-        *header = self.header(VERSION, if baseline.is_some() { WITH_BASELINE } else { 0 }, self.id());
+        *header = self.header(self.state_version(), if baseline.is_some() { WITH_BASELINE } else { 0 }, self.id());
         words.fill(0);
         let mut places = words.as_chunks_mut::<4>().0.iter_mut();
         let mut put = |word: u32| {
@@ -146,8 +158,12 @@ impl<P: Plan> Model<P> {
             None => (0..Baseline::<P>::words(self.plan().layout().coordinates)).for_each(|_| put(0)),
         }
         evidence.save_later(&mut put);
-        if let Some(baseline) = baseline {
-            baseline.save_constants(&mut put);
+        match baseline {
+            Some(baseline) => baseline.save_constants(&mut put),
+            None => (0..Baseline::<P>::LATER_WORDS).for_each(|_| put(0)),
+        }
+        if self.state_version() == VERSION {
+            evidence.save_third(&mut put);
         }
         *check = crc32(content).to_le_bytes();
         Ok(length)
@@ -184,6 +200,9 @@ impl<P: Plan> Model<P> {
                 None => zeros(&mut take, Baseline::<P>::LATER_WORDS)?,
             }
         }
+        if version > SECOND_VERSION {
+            restored.restore_third(&mut take).ok_or(StateError::Value)?;
+        }
         if !restored.is_plausible() {
             return Err(StateError::Value);
         }
@@ -217,7 +236,7 @@ impl<P: Plan> Model<P> {
         }
         let (found, _) = rest.split_first_chunk::<2>().ok_or(StateError::Truncated)?;
         let version = u16::from_le_bytes(*found);
-        let supported = StateError::Version { found: version, supported: VERSION };
+        let supported = StateError::Version { found: version, supported: self.state_version() };
         let length = self.words_of(version).ok_or(supported)?.saturating_mul(4).saturating_add(HEADER + 4);
         let (content, check) = bytes.split_last_chunk::<4>().ok_or(StateError::Truncated)?;
         if crc32(content) != u32::from_le_bytes(*check) {

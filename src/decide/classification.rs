@@ -128,6 +128,11 @@ impl<P: Plan> Classification<P> {
             (*cell, *variance) = (z.value, z.variance);
             available |= !z.is_missing();
         }
+        // Before a baseline moves the coordinates: it would follow wear.
+        let directions = classifier.novelty.directions.list.cells();
+        for (value, direction) in decision.directed.cells_mut().iter_mut().zip(directions) {
+            *value = direction.value(self.coordinates.cells(), self.variances.cells());
+        }
         if available { Ok(()) } else { Err(reason.unwrap_or(Reason::NotFinite(Part::Classifier))) }
     }
 

@@ -14,6 +14,7 @@
 //! its discriminant is linear, although the thesis calls it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds and the
 //! factors; (2) adds one exponential a class.
 
+use super::features::FeatureValue;
 use super::gates::Departure;
 use super::gates::density::Density;
 use crate::plan::{Array, Cells, Kind, Plan};
@@ -50,6 +51,8 @@ pub struct Decision<P: Plan> {
     pub(crate) expected_costs: Array<P::Classes, f32>,
     /// Whether the segment is beyond the gate of each class but the healthy one.
     pub(crate) beyond: Array<P::Classes, bool>,
+    /// y of each direction that the alarm watches.
+    pub(crate) directed: Array<P::Directions, FeatureValue>,
     /// The mark of the model.
     pub(crate) model: u32,
     pub(crate) missing: Array<P::Features, bool>,
@@ -75,6 +78,7 @@ impl<P: Plan> Decision<P> {
             posteriors: zeros.clone(),
             expected_costs: zeros,
             beyond: Cells::filled(layout.classes as usize, false),
+            directed: Cells::filled(layout.directions as usize, FeatureValue::MISSING),
             model: UNMARKED,
             missing: Cells::filled(layout.features as usize, false),
             outside: Cells::filled(layout.covariates as usize, false),
@@ -88,6 +92,17 @@ impl<P: Plan> Decision<P> {
     pub(crate) fn depart(&mut self, departure: Departure) {
         (self.distance, self.surprise) = (departure.distance, departure.surprise);
         self.distance_surprise = departure.distance_surprise;
+    }
+
+    /// The value of each direction that the alarm watches, less the mean of drives.
+    #[must_use]
+    pub fn directed(&self) -> &[FeatureValue] {
+        self.directed.cells()
+    }
+
+    /// Sets the values of directions, of a decision that is made again from its numbers.
+    pub fn set_directed(&mut self, values: &[FeatureValue]) {
+        pairs(self.directed.cells_mut(), values).for_each(|(cell, value)| *cell = *value);
     }
 
     /// Log-likelihood (1) of each class.

@@ -18,6 +18,6 @@ pub use classifier::Classifier;
 pub use covariates::{Covariate, Covariates};
 pub use discriminant::{Decision, Discriminant, UNMARKED};
 pub use features::{Estimates, Feature, FeatureValue};
-pub use gates::{Departure, KNOTS, Law, MAX_SURPRISE, Novelty};
+pub use gates::{Background, Departure, Direction, Directions, KNOTS, Law, MAX_BACKGROUND, MAX_SURPRISE, Novelty};
 pub use projection::Projection;
 pub use verdict::Verdict;

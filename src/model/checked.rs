@@ -114,6 +114,7 @@ impl<P: Plan> Model<P> {
         let Sampling { interval_s, block_mean, segment_samples, .. } = self.constants.sampling;
         let segment_s = interval_s * f32::from(block_mean) * segment_samples as f32;
         let healthy = self.constants.classifier.novelty.class;
-        Evidence::new(self.plan, self.constants.evidence, healthy).of_model(self.mark, segment_s)
+        let directions = &self.constants.classifier.novelty.directions;
+        Evidence::new(self.plan, self.constants.evidence, directions, healthy).of_model(self.mark, segment_s)
     }
 }

@@ -66,6 +66,12 @@ macro_rules! checked_model {
                         laws: &classifier.novelty.laws,
                         freedom: classifier.novelty.freedom,
                         limit: classifier.novelty.limit,
+                        directions: &classifier.novelty.directions.list,
+                        runs: $crate::model::RunParts {
+                            usual_segments: classifier.novelty.directions.usual_segments,
+                            margin: classifier.novelty.directions.margin,
+                            most_runs: classifier.novelty.directions.most_runs,
+                        },
                         evidence: constants.evidence,
                         labels: &constants.labels,
                     };

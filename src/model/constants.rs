@@ -1,6 +1,6 @@
 //! Everything that was trained, as plain numbers.
 
-use super::parts::{Parts, RegressionParts, ShaftParts};
+use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
 use super::sampling::Sampling;
 use crate::alarm::EvidenceConstants;
 use crate::decide::Classifier;
@@ -79,6 +79,12 @@ impl<P: Plan> Constants<P> {
             laws: novelty.laws.cells(),
             freedom: novelty.freedom,
             limit: novelty.limit,
+            directions: novelty.directions.list.cells(),
+            runs: RunParts {
+                usual_segments: novelty.directions.usual_segments,
+                margin: novelty.directions.margin,
+                most_runs: novelty.directions.most_runs,
+            },
             evidence: self.evidence,
             labels: self.labels.cells(),
         }

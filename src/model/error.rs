@@ -49,6 +49,8 @@ pub enum Field {
     NoveltyLimit,
     /// At most all coordinates rise, and only with a shaft.
     RisingCoordinates,
+    /// At most 8, and only with a healthy class.
+    Direction,
     Evidence,
     Label,
     Layout,
@@ -100,6 +102,7 @@ impl Field {
             Self::SurpriseCurve => "surprise curve",
             Self::NoveltyLimit => "novelty limit",
             Self::RisingCoordinates => "rising coordinates",
+            Self::Direction => "direction that the alarm watches",
             Self::Evidence => "evidence constants",
             Self::Label => "class label",
             Self::Layout => "layout",

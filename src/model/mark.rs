@@ -4,9 +4,9 @@
 //! the binary form, costs as much as reading a model. Models with other numbers have other marks, but for one pair in
 //! 2³².
 
-use super::parts::{Parts, RegressionParts, ShaftParts};
+use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
 use crate::alarm::EvidenceConstants;
-use crate::decide::UNMARKED;
+use crate::decide::{Background, Direction, UNMARKED};
 use crate::shaft::TrackedOrder;
 
 /// Words so far.
@@ -23,6 +23,21 @@ impl Mark {
         let (mut mark, mut rest) = (self, values);
         while let [x, later @ ..] = rest {
             mark = mark.word(x.to_bits());
+            rest = later;
+        }
+        mark
+    }
+
+    const fn directions(self, directions: &[Direction]) -> Self {
+        let (mut mark, mut rest) = (self, directions);
+        while let [direction, later @ ..] = rest {
+            let Direction { coordinate, background, centre, between, run, segment, skewness } = *direction;
+            mark = mark.word(coordinate as u32).floats(&[centre, between, run, segment, skewness]);
+            let mut left: &[Background] = &background;
+            while let [Background { coordinate, weight }, others @ ..] = left {
+                mark = mark.word(*coordinate as u32).floats(&[*weight]);
+                left = others;
+            }
             rest = later;
         }
         mark
@@ -60,7 +75,12 @@ pub const fn mark(parts: &Parts<'_>) -> u32 {
         None => u32::MAX,
     });
     mark = mark.floats(parts.novelty_mean).floats(parts.novelty_factor).floats(parts.knots.as_flattened());
-    mark = mark.floats(parts.laws.as_flattened().as_flattened());
+    mark = mark.floats(parts.laws.as_flattened().as_flattened()).directions(parts.directions);
+    let RunParts { usual_segments, margin, most_runs } = parts.runs;
+    // Without directions these have no effect, and the mark remains.
+    if !parts.directions.is_empty() {
+        mark = mark.floats(&[usual_segments, margin]).word(most_runs as u32);
+    }
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = parts.evidence;
     mark = mark.floats(&[bet, limit, cap, log_mean, defect_log_mean]).word(segments_a_run);
     if mark.0 == UNMARKED { 1 } else { mark.0 }

@@ -20,8 +20,8 @@ pub use crate::alarm::{
     baseline::BaselineConstants, commissioning::CommissioningConstants, evidence::EvidenceConstants,
 };
 pub use crate::decide::{
-    Classifier, Covariate, Covariates, Departure, Discriminant, Estimates, Feature, FeatureValue, KNOTS, Law, Novelty,
-    Projection,
+    Background, Classifier, Covariate, Covariates, Departure, Direction, Directions, Discriminant, Estimates, Feature,
+    FeatureValue, KNOTS, Law, MAX_BACKGROUND, Novelty, Projection,
 };
 pub use crate::regression::Regression;
 pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
@@ -37,7 +37,7 @@ pub use error::{Field, ModelError};
 #[doc(hidden)]
 pub use mark::mark;
 #[doc(hidden)]
-pub use parts::{Parts, RegressionParts, ShaftParts};
+pub use parts::{Parts, RegressionParts, RunParts, ShaftParts};
 pub use sampling::{MAX_BLOCK_MEAN, Sampling};
 #[doc(hidden)]
 pub use validate::check;

@@ -2,7 +2,7 @@
 
 use super::sampling::Sampling;
 use crate::alarm::EvidenceConstants;
-use crate::decide::{Covariate, Feature, KNOTS, Law};
+use crate::decide::{Covariate, Direction, Feature, KNOTS, Law};
 use crate::plan::Layout;
 use crate::regression::factor::Forgetting;
 use crate::shaft::{Balance, Blocks, Lags, TrackedOrder};
@@ -30,6 +30,15 @@ pub struct ShaftParts<'a> {
     pub balance: &'a Balance,
     pub orders: &'a [TrackedOrder],
     pub blocks: Blocks,
+}
+
+/// The numbers of the directions together.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct RunParts {
+    pub usual_segments: f32,
+    pub margin: f32,
+    pub most_runs: u16,
 }
 
 /// The numbers of a model as slices of any length.
@@ -60,6 +69,8 @@ pub struct Parts<'a> {
     pub laws: &'a [Law],
     pub freedom: f32,
     pub limit: f32,
+    pub directions: &'a [Direction],
+    pub runs: RunParts,
     pub evidence: EvidenceConstants,
     pub labels: &'a [Label],
 }

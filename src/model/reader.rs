@@ -3,9 +3,9 @@
 //! Lengths are those of the plan; ranges are checked later, except for bytes that select one of a few variants.
 
 use super::{
-    Balance, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature,
-    Field, Forgetting, KNOTS, Label, Lags, ModelError, Name, Novelty, Projection, Regression, Sampling, ShaftConstants,
-    StateVariable, TERMS, TrackedOrder, Tracking,
+    Background, Balance, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Directions, Discriminant,
+    EvidenceConstants, Feature, Field, Forgetting, KNOTS, Label, Lags, ModelError, Name, Novelty, Projection,
+    Regression, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking,
 };
 use crate::plan::{
     Array, Cells, Kind, Layout, MAX_HARMONICS, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
@@ -73,7 +73,8 @@ impl Reader<'_> {
         Ok([signal(c0, m0), signal(c1, m1), signal(c2, m2)])
     }
 
-    pub(super) fn layout(&mut self) -> Result<Layout, ModelError> {
+    /// The layout, of a version with directions or without.
+    pub(super) fn layout(&mut self, directed: bool) -> Result<Layout, ModelError> {
         let mut layout = Layout { channels: self.u8()?, ..Layout::EMPTY };
         if self.flag(Field::Layout)? {
             let structure = Structure { offset: self.flag(Field::Layout)?, ..Structure::from_orders(self.array()?) };
@@ -94,7 +95,14 @@ impl Reader<'_> {
             layout.shaft = Some(ShaftLayout { current, velocity, load, orders, harmonics });
         }
         layout.averaged = self.u16()?;
-        [layout.features, layout.covariates, layout.coordinates, layout.rising, layout.classes] = self.array()?;
+        [layout.features, layout.covariates, layout.coordinates, layout.rising] = self.array()?;
+        if directed {
+            layout.directions = self.u8()?;
+            if layout.directions == 0 {
+                return Err(ModelError::OutOfRange(Field::Layout));
+            }
+        }
+        layout.classes = self.u8()?;
         layout.discriminant = if self.flag(Field::Layout)? { Kind::Quadratic } else { Kind::Linear };
         Ok(layout)
     }
@@ -273,8 +281,25 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
             novelty.freedom = reader.f32()?;
             reader.fill(novelty.laws.cells_mut().as_flattened_mut().as_flattened_mut())?;
         }
+        if layout.directions > 0 {
+            read_directions(reader, &mut novelty.directions)?;
+        }
     }
     Ok(Classifier { features, covariates, projection, discriminant, novelty })
+}
+
+fn read_directions<P: Plan>(reader: &mut Reader<'_>, directions: &mut Directions<P>) -> Result<(), ModelError> {
+    (directions.usual_segments, directions.margin) = (reader.f32()?, reader.f32()?);
+    directions.most_runs = reader.u16()?;
+    for direction in directions.list.cells_mut() {
+        direction.coordinate = reader.u8()?;
+        for background in &mut direction.background {
+            *background = Background { coordinate: reader.u8()?, weight: reader.f32()? };
+        }
+        (direction.centre, direction.between) = (reader.f32()?, reader.f32()?);
+        (direction.run, direction.segment, direction.skewness) = (reader.f32()?, reader.f32()?, reader.f32()?);
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -6,11 +6,11 @@
 //! is novel, no alarm, no rejection. The code is `const`, so it walks slices by patterns.
 
 use super::error::{Field, ModelError};
-use super::parts::{Parts, RegressionParts, ShaftParts};
+use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
 use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, reaches, split};
 use super::sampling::{MAX_BLOCK_MEAN, Sampling};
 use crate::alarm::EvidenceConstants;
-use crate::decide::{Covariate, MAX_SURPRISE};
+use crate::decide::{Background, Covariate, Direction, MAX_SURPRISE};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
 use crate::regression::estimate::is_stable;
 use crate::regression::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
@@ -28,6 +28,8 @@ const LONGEST_S: f32 = 1e4;
 const LEAST_LOG: f32 = -100.0;
 /// ln 1, with roundings.
 const LOG_ONE: f32 = 1e-3;
+/// Smallest variance of a direction.
+const LEAST_VARIANCE: f32 = 1e-12;
 /// Largest limit and cap of the evidence, nats.
 const MOST_NATS: f32 = 1e3;
 /// Squared distance from healthy that is novel by any gate: a million deviations.
@@ -314,11 +316,37 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
             }
         }
     }
+    pass!(check_directions(parts));
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = parts.evidence;
     let alarms = limit > 0.0 && (limit <= MOST_NATS || limit == f32::INFINITY);
     require!(bet > 0.0 && bet < 1.0 && alarms && cap > 0.0 && cap <= MOST_NATS, Evidence);
     // A mean is at most the largest e-value.
     require!(segments_a_run > 0 && all_within(&[log_mean, defect_log_mean], LEAST_LOG, cap), Evidence);
+    Ok(())
+}
+
+/// Directions are those of the healthy class.
+const fn check_directions(parts: &Parts<'_>) -> Result<(), ModelError> {
+    let layout = &parts.layout;
+    require_length!(parts.directions.len(), layout.directions as usize, Direction);
+    require!(layout.directions == 0 || parts.healthy.is_some(), Direction);
+    let RunParts { usual_segments, margin, .. } = parts.runs;
+    require!(layout.directions == 0 || (usual_segments >= 1.0 && usual_segments <= 1e6), Direction);
+    require!(layout.directions == 0 || (margin >= 0.0 && margin <= 10.0), Direction);
+    let mut directions = parts.directions;
+    while let [direction, rest @ ..] = directions {
+        let Direction { coordinate, background, centre, between, run, segment, skewness } = *direction;
+        require!(coordinate < layout.coordinates, Direction);
+        require!(all_within(&[centre], -LARGEST, LARGEST), Direction);
+        require!(all_within(&[between, run, segment], LEAST_VARIANCE, LARGEST), Direction);
+        require!(all_within(&[skewness], 0.0, 10.0), Direction);
+        let mut left: &[Background] = &background;
+        while let [Background { coordinate, weight }, others @ ..] = left {
+            require!(*coordinate < layout.coordinates && all_within(&[*weight], -LARGEST, LARGEST), Direction);
+            left = others;
+        }
+        directions = rest;
+    }
     Ok(())
 }
 

@@ -2,8 +2,8 @@
 
 use super::reader::NONE;
 use super::{
-    Blocks, Channel, Classifier, Constants, Covariate, Discriminant, Feature, Lags, ModelError, Regression,
-    ShaftConstants, StateVariable,
+    Background, Blocks, Channel, Classifier, Constants, Covariate, Direction, Directions, Discriminant, Feature, Lags,
+    ModelError, Regression, ShaftConstants, StateVariable,
 };
 use crate::checksum::Crc32;
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
@@ -84,8 +84,12 @@ impl<S: Sink> Writer<S> {
         }
         let quadratic = u8::from(layout.discriminant == Kind::Quadratic);
         self.bytes(&layout.averaged.to_le_bytes())?;
-        let Layout { features, covariates, coordinates, rising, classes, .. } = *layout;
-        self.bytes(&[features, covariates, coordinates, rising, classes, quadratic])
+        let Layout { features, covariates, coordinates, rising, directions, classes, .. } = *layout;
+        self.bytes(&[features, covariates, coordinates, rising])?;
+        if directions > 0 {
+            self.bytes(&[directions])?;
+        }
+        self.bytes(&[classes, quadratic])
     }
 
     pub(crate) fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
@@ -192,6 +196,23 @@ fn write_classifier<P: Plan>(writer: &mut Writer<impl Sink>, classifier: &Classi
             writer.floats(&[novelty.freedom])?;
             writer.floats(novelty.laws.cells().as_flattened().as_flattened())?;
         }
+        if !novelty.directions.list.cells().is_empty() {
+            write_directions(writer, &novelty.directions)?;
+        }
+    }
+    Ok(())
+}
+
+fn write_directions<P: Plan>(writer: &mut Writer<impl Sink>, directions: &Directions<P>) -> Result<(), ModelError> {
+    writer.floats(&[directions.usual_segments, directions.margin])?;
+    writer.bytes(&directions.most_runs.to_le_bytes())?;
+    for Direction { coordinate, background, centre, between, run, segment, skewness } in directions.list.cells() {
+        writer.bytes(&[*coordinate])?;
+        for Background { coordinate, weight } in background {
+            writer.bytes(&[*coordinate])?;
+            writer.floats(&[*weight])?;
+        }
+        writer.floats(&[*centre, *between, *run, *segment, *skewness])?;
     }
     Ok(())
 }

@@ -31,6 +31,8 @@ pub struct Bounds {
     pub coordinates: usize,
     /// Coordinates that only rise with a defect.
     pub rising: usize,
+    /// Directions that the alarm watches.
+    pub directions: usize,
     /// Classes.
     pub classes: usize,
     /// Elements of the projection.
@@ -58,6 +60,7 @@ impl Bounds {
             (layout.covariates as usize, self.covariates),
             (layout.coordinates as usize, self.coordinates),
             (layout.rising as usize, self.rising),
+            (layout.directions as usize, self.directions),
             (layout.classes as usize, self.classes),
             (layout.map(), self.map),
             (layout.densities(), self.densities),
@@ -180,7 +183,7 @@ impl<const CHANNELS: usize> Signals for Values<CHANNELS> {
 /// use bearing_watch::plan::{Bounds, Layout, Plan};
 /// const LARGEST: Bounds = Bounds {
 ///     channels: 3, columns: 8, parameters: 7, delays: 4, filters: 0, orders: 0, averages: 2, features: 8,
-///     covariates: 1, coordinates: 4, rising: 0, classes: 3, map: 32, densities: 10,
+///     covariates: 1, coordinates: 4, rising: 0, directions: 0, classes: 3, map: 32, densities: 10,
 /// };
 /// bearing_watch::bounded_plan! {
 ///     /// The plan of small models.

@@ -1,8 +1,8 @@
 //! Whether the parts of a layout fit each other, and why not.
 
 use super::layout::{
-    Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_HARMONICS, MAX_OUTPUT_TERMS, Method, RegressionLayout, ShaftLayout,
-    Signal,
+    Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_DIRECTIONS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Method, RegressionLayout,
+    ShaftLayout, Signal,
 };
 
 /// Returns early with the error of another check.
@@ -41,6 +41,8 @@ pub enum LayoutError {
     Classifier,
     /// More rising coordinates than coordinates.
     Rising,
+    /// More than 8 directions.
+    Directions,
 }
 
 impl LayoutError {
@@ -59,6 +61,7 @@ impl LayoutError {
             Self::Covariates => "the plan has more than 8 covariates",
             Self::Classifier => "the plan has no features, no coordinates or no classes",
             Self::Rising => "the plan has more rising coordinates than coordinates",
+            Self::Directions => "the plan has more than 8 directions",
         }
     }
 }
@@ -118,6 +121,9 @@ impl Layout {
         }
         if self.rising > self.coordinates {
             return Err(LayoutError::Rising);
+        }
+        if self.directions > MAX_DIRECTIONS {
+            return Err(LayoutError::Directions);
         }
         Ok(())
     }

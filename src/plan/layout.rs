@@ -8,6 +8,8 @@ pub const MAX_OUTPUT_TERMS: usize = 4;
 pub const MAX_CHANNELS: usize = 16;
 /// Largest number of covariates.
 pub const MAX_COVARIATES: usize = 8;
+/// Largest number of directions that the alarm watches.
+pub const MAX_DIRECTIONS: u8 = 8;
 /// Largest number of harmonics of a bearing order.
 pub const MAX_HARMONICS: usize = 3;
 
@@ -133,6 +135,8 @@ pub struct Layout {
     pub coordinates: u8,
     /// Number of the last coordinates, of which only larger values than usual show a defect.
     pub rising: u8,
+    /// Number of directions in which the alarm watches the coordinates; 0 for an alarm by distances and classes.
+    pub directions: u8,
     /// Number of classes.
     pub classes: u8,
     /// Linear or quadratic discriminant.
@@ -188,6 +192,7 @@ impl Layout {
         covariates: 0,
         coordinates: 0,
         rising: 0,
+        directions: 0,
         classes: 0,
         discriminant: Kind::Linear,
     };

@@ -22,8 +22,8 @@ mod structure;
 pub use bounded::{Bounds, Values};
 pub use fit::LayoutError;
 pub use layout::{
-    Kind, Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout,
-    ShaftLayout, Signal,
+    Kind, Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_DIRECTIONS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method,
+    RegressionLayout, ShaftLayout, Signal,
 };
 #[cfg(any(test, feature = "alloc"))]
 pub use run_time::{RunTime, RunTimeSample};
@@ -109,6 +109,8 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     type Densities: Size;
     /// 1 + K for K > 0 rising coordinates, else 0.
     type Laws: Size;
+    /// D, the number of directions that the alarm watches.
+    type Directions: Size;
     /// C, the number of classes.
     type Classes: Size;
     /// C Z.
@@ -303,6 +305,7 @@ macro_rules! plan_types {
         type Density = $crate::plan::$size<{ $lengths.density() }>;
         type Densities = $crate::plan::$size<{ $lengths.densities() }>;
         type Laws = $crate::plan::$size<{ $lengths.laws() }>;
+        type Directions = $crate::plan::$size<{ $lengths.directions as usize }>;
         type Classes = $crate::plan::$size<{ $lengths.classes as usize }>;
         type Means = $crate::plan::$size<{ $lengths.means() }>;
         type Costs = $crate::plan::$size<{ $lengths.costs() }>;

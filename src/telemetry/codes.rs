@@ -47,7 +47,7 @@ impl VerdictCode {
     }
 }
 
-/// An alarm: 0 none, 1 of a class, 2 of an unknown cause.
+/// An alarm: 0 none, 1 of a class, 2 of an unknown cause, 3 of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AlarmCode {
     alarm: u8,
@@ -62,6 +62,7 @@ impl From<Option<Alarm>> for AlarmCode {
             None => Self { alarm: 0, cause: 0, segment: 0 },
             Some(Alarm { segment, cause: Cause::Class(cause) }) => Self { alarm: 1, cause, segment },
             Some(Alarm { segment, cause: Cause::Unknown }) => Self { alarm: 2, cause: 0, segment },
+            Some(Alarm { segment, cause: Cause::Coordinate(cause) }) => Self { alarm: 3, cause, segment },
         }
     }
 }
@@ -75,6 +76,7 @@ impl AlarmCode {
             0 => Some(None),
             1 => Some(Some(Alarm { segment, cause: Cause::Class(self.cause) })),
             2 => Some(Some(Alarm { segment, cause: Cause::Unknown })),
+            3 => Some(Some(Alarm { segment, cause: Cause::Coordinate(self.cause) })),
             _ => None,
         }
     }
@@ -121,6 +123,6 @@ mod tests {
     fn numbers_without_a_meaning_are_refused() {
         let code = |verdict, detail, place| VerdictCode { verdict, detail, place, rows: 0 }.verdict();
         assert_eq!([code(4, 0, 0), code(3, 0, 0), code(3, 11, 0)], [None; 3]);
-        assert_eq!(AlarmCode { alarm: 3, cause: 0, segment: 0 }.alarm(), None);
+        assert_eq!(AlarmCode { alarm: 4, cause: 0, segment: 0 }.alarm(), None);
     }
 }

@@ -8,7 +8,7 @@
 // Novel beyond distance 3.79 from healthy, or by one of order_inner alone: false-alarm rate 0.01 a segment by 60 segments (Gaussian with probability 0.67, else heavier tails); false alarms every 1.500e6 segments for 95 % of such training sets; segments count as independent; each adds at most 7.7 of 15.3 nats.
 
 #[rustfmt::skip]
-use bearing_watch::model::{Balance, Blocks, Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking};
+use bearing_watch::model::{Balance, Blocks, Channel, Classifier, Constants, Covariates, Directions, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking};
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout, Structure};
 use bearing_watch::{FrictionTerm, Model};
 
@@ -175,6 +175,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
             ],
             freedom: 59.0,
             limit: 4.6051702,
+            directions: Directions::NONE,
         },
     },
     evidence: EvidenceConstants { bet: 0.2, limit: 15.319588, cap: 7.659794, segments_a_run: 1, log_mean: -0.0037143044, defect_log_mean: 0.0 },

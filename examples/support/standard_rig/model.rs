@@ -3,7 +3,7 @@
 // Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.
 
 #[rustfmt::skip]
-use bearing_watch::model::{Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Novelty, Projection, Regression, Sampling};
+use bearing_watch::model::{Channel, Classifier, Constants, Covariates, Directions, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Novelty, Projection, Regression, Sampling};
 use bearing_watch::Model;
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 
@@ -91,7 +91,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
             ],
             reject_cost: f32::INFINITY,
         },
-        novelty: Novelty { class: None, mean: [0.0; 5], factor: [0.0; 15], knots: [[0.0; 2]; 24], laws: [], freedom: 1.0, limit: f32::INFINITY },
+        novelty: Novelty { class: None, mean: [0.0; 5], factor: [0.0; 15], knots: [[0.0; 2]; 24], laws: [], freedom: 1.0, limit: f32::INFINITY, directions: Directions::NONE },
     },
     evidence: EvidenceConstants::NONE,
     labels: [Label::constant("healthy"), Label::constant("spall"), Label::constant("roughness")],

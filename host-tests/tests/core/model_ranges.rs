@@ -1,6 +1,8 @@
 //! Constants out of range: each is refused, by its name, when a model is made.
 
-use bearing_watch::model::{Constants, Departure, EvidenceConstants, Feature, Field, Forgetting, Label, Novelty};
+use bearing_watch::model::{
+    Constants, Departure, Directions, EvidenceConstants, Feature, Field, Forgetting, Label, Novelty,
+};
 use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Layout, LayoutError, Memory, Method, Plan, RegressionLayout, RunTime};
 use bearing_watch::{Model, ModelError};
@@ -142,6 +144,7 @@ fn gated(c: &mut Constants<Drive>) {
         laws: [],
         freedom: 1.0,
         limit: 4.6,
+        directions: Directions::NONE,
     };
     c.classifier.discriminant.reject_cost = 0.25;
     c.evidence = EvidenceConstants {

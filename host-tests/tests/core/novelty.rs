@@ -1,6 +1,6 @@
 //! Novelty gate and evidence in the core's arithmetic: set false-alarm rates, alarms and trends.
 
-use bearing_watch::model::{EvidenceConstants, Feature, KNOTS, Novelty};
+use bearing_watch::model::{Directions, EvidenceConstants, Feature, KNOTS, Novelty};
 use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Layout, Memory, Method, Plan, RunTime};
 use bearing_watch::{Cause, Evidence, Model};
@@ -46,6 +46,7 @@ pub(super) fn core(gate: &Gate) -> Novelty<RunTime> {
         laws: gate.rising.as_ref().map_or_else(Vec::new, |rising| rising.core(gate.limit)),
         freedom: gate.rising.as_ref().map_or(1.0, |rising| rising.freedom as f32),
         limit: gate.limit as f32,
+        directions: Directions { list: vec![], usual_segments: 1.0, margin: 0.0, most_runs: 0 },
     }
 }
 

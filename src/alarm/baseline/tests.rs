@@ -146,7 +146,8 @@ fn wear_still_alarms_later_by_no_more_than_the_bound() {
     let mut delays = Vec::new();
     for seed in 0..20 {
         let (mut draw, mut follower) = (noise(100 + seed), baseline());
-        let mut evidence = [0, 1].map(|_| Evidence::new(plan(), constants, Some(0)));
+        let mut evidence =
+            [0, 1].map(|_| Evidence::new(plan(), constants, &crate::decide::Directions::none(plan()), Some(0)));
         let mut alarms = [None, None];
         for k in 0..3000 {
             let z = [rate * k as f32 + draw(), draw()];

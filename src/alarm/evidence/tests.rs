@@ -11,11 +11,11 @@ fn plan() -> RunTime {
 }
 
 fn evidence(healthy: Option<u8>) -> Evidence<RunTime> {
-    Evidence::new(plan(), CONSTANTS, healthy)
+    Evidence::new(plan(), CONSTANTS, &Directions::none(plan()), healthy)
 }
 
 fn of_runs(segments_a_run: u32) -> Evidence<RunTime> {
-    Evidence::new(plan(), EvidenceConstants { segments_a_run, ..CONSTANTS }, Some(0))
+    Evidence::new(plan(), EvidenceConstants { segments_a_run, ..CONSTANTS }, &Directions::none(plan()), Some(0))
 }
 
 fn decision(surprise: f32, log_likelihoods: [f32; 3]) -> Decision<RunTime> {

@@ -1,8 +1,10 @@
 //! The state of the alarm as words, and back.
 //!
-//! The first part has been the same since version 1 of the saved state; the second one came with version 2.
+//! The first part has been the same since version 1 of the saved state; the second one came with version 2, the third
+//! one with version 3.
 
-use super::{Alarm, Cause, Drift, Evidence, EvidenceConstants, Score};
+use super::super::runs;
+use super::{Alarm, Cause, Contribution, Drift, Evidence, EvidenceConstants, Score};
 use crate::plan::{Cells, Plan};
 use crate::regression::factor::pairs;
 
@@ -14,10 +16,19 @@ const EACH: usize = 3;
 const LATER: usize = 7;
 /// The cause of an alarm is a number: none, unknown, and from here on the class.
 const FIRST_CLASS: u32 = 2;
+/// Or a coordinate with this bit.
+const COORDINATE: u32 = 1 << 16;
+/// Words of the third part beside those of the directions: how many runs are learned, and what raised the alarm.
+const THIRD: usize = 5;
 
 impl<P: Plan> Evidence<P> {
     /// Number of words of the second part.
     pub(crate) const LATER_WORDS: usize = LATER;
+
+    /// Number of words of the third part for so many directions.
+    pub(crate) const fn third_words(directions: u8) -> usize {
+        THIRD.saturating_add(runs::WORDS.saturating_mul(directions as usize))
+    }
 
     /// Number of words of the first part for so many classes.
     pub(crate) const fn words(classes: u8) -> usize {
@@ -30,6 +41,7 @@ impl<P: Plan> Evidence<P> {
             None => (0, 0),
             Some(Alarm { segment, cause: Cause::Unknown }) => (1, segment),
             Some(Alarm { segment, cause: Cause::Class(class) }) => (FIRST_CLASS.saturating_add(class.into()), segment),
+            Some(Alarm { segment, cause: Cause::Coordinate(place) }) => (u32::from(place) | COORDINATE, segment),
         };
         [self.segments, self.undetermined, self.run, cause, segment].into_iter().for_each(&mut *put);
         for Score { sum, run } in core::iter::once(&self.novelty).chain(self.defects.cells()) {
@@ -47,6 +59,32 @@ impl<P: Plan> Evidence<P> {
         older.into_iter().chain(self.silent.words()).for_each(put);
     }
 
+    /// Hands out the words of the third part.
+    pub(crate) fn save_third(&self, put: &mut impl FnMut(u32)) {
+        let Contribution { direction, deviations, score, since } = self.main.unwrap_or_default();
+        let direction = if self.main.is_some() { u32::from(direction).saturating_add(1) } else { 0 };
+        [direction, deviations.to_bits(), score.to_bits(), since].into_iter().for_each(&mut *put);
+        self.runs.save(put);
+    }
+
+    /// Takes the words of the third part; `None` as for the first one.
+    pub(crate) fn restore_third(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
+        let (direction, deviations, score, since) =
+            (take()?, f32::from_bits(take()?), f32::from_bits(take()?), take()?);
+        self.main = match direction {
+            0 => None,
+            place => {
+                let direction = u8::try_from(place.wrapping_sub(1)).ok()?;
+                self.runs.contribution(direction)?;
+                Some(Contribution { direction, deviations, score, since })
+            }
+        };
+        let good = deviations.is_finite() && score.is_finite() && since <= self.segments;
+        self.runs.restore(take, self.segments)?;
+        let directed = matches!(self.alarm, Some(Alarm { cause: Cause::Coordinate(_), .. }));
+        (good && self.main.is_some() == directed).then_some(())
+    }
+
     /// Takes the words in their order; `None` if one is missing or none that an alarm can have. The state is then of no
     /// use.
     pub(crate) fn restore(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
@@ -55,6 +93,9 @@ impl<P: Plan> Evidence<P> {
         self.alarm = match cause {
             0 => None,
             1 => Some(Alarm { segment, cause: Cause::Unknown }),
+            place if place >= COORDINATE => {
+                Some(Alarm { segment, cause: Cause::Coordinate(u8::try_from(place ^ COORDINATE).ok()?) })
+            }
             class => Some(Alarm { segment, cause: Cause::Class(u8::try_from(class.wrapping_sub(FIRST_CLASS)).ok()?) }),
         };
         let scores = core::iter::once(&mut self.novelty).chain(self.defects.cells_mut());
@@ -93,6 +134,7 @@ impl<P: Plan> Evidence<P> {
                 let known = match cause {
                     Cause::Unknown => true,
                     Cause::Class(class) => defect(class),
+                    Cause::Coordinate(place) => self.runs.watch(place),
                 };
                 known && self.healthy.is_some() && segment > 0 && segment <= self.segments
             }
@@ -103,7 +145,7 @@ impl<P: Plan> Evidence<P> {
     fn scored(&self, decided: u32) -> bool {
         let EvidenceConstants { cap, segments_a_run, log_mean, defect_log_mean, .. } = self.constants;
         // Without a healthy class nothing is summed.
-        let (open, runs) = (self.run > 0, if self.healthy.is_some() { decided } else { 0 });
+        let (open, runs) = (self.run > 0 && !self.runs.are_used(), if self.healthy.is_some() { decided } else { 0 });
         // A run adds its cap, its length and a mean; the margin is for roundings.
         let a_run = cap + log_mean.abs().max(defect_log_mean.abs()) + 1.0;
         let most = a_run * runs as f32 * 1.01;

@@ -27,6 +27,7 @@
 //! Cost: Z(Z+3)/2 multiply-adds, one square root, a search among the knots, and (3) of [`super::density`].
 
 use super::density::Density;
+use super::direction::Directions;
 use super::law::{KNOTS, Law, equivalent, surprise};
 use super::rising;
 use crate::plan::{Array, Cells, Plan};
@@ -50,6 +51,8 @@ pub struct Novelty<P: Plan> {
     pub freedom: f32,
     /// −ln α of (3), nats; infinite if distances are computed but nothing is called novel.
     pub limit: f32,
+    /// The directions of defects, and the law of healthy runs in each.
+    pub directions: Directions<P>,
 }
 
 /// Limit of the distance from another class over the limit for the healthy class, each in standard deviations of its
@@ -81,6 +84,7 @@ impl<P: Plan> Novelty<P> {
             laws: Cells::filled(layout.laws(), [[0.0; 2]; KNOTS]),
             freedom: 1.0,
             limit: f32::INFINITY,
+            directions: Directions::none(plan),
         }
     }
 

@@ -59,7 +59,7 @@ fn law(first: u16) -> Law {
 }
 
 /// Regression, shaft and sizes of a layout; 0xFF is "none".
-const LAYOUT: [u8; 36] = [
+const LAYOUT: [u8; 37] = [
     3, // channels
     1, 1, 2, 3, 1, 4, 5, // there is a regression; offset; na, nb, nc, nkb, nkc
     1, 2, // instruments, fading
@@ -67,7 +67,7 @@ const LAYOUT: [u8; 36] = [
     1, 2, 1, 1, 0xFF, 0xFF, 0xFF, // there is a shaft: current less channel 1, velocity, no load
     4, 3, // orders, harmonics
     0x05, 0x01, // averaged channels
-    9, 2, 6, 1, 3, // features, covariates, coordinates, rising ones, classes
+    9, 2, 6, 1, 5, 3, // features, covariates, coordinates, rising ones, directions, classes
     1, // quadratic
     0xAA, 0xAA, 0xAA, // not of the layout
 ];
@@ -98,12 +98,13 @@ fn each_byte_of_a_layout_has_its_place() {
         covariates: 2,
         coordinates: 6,
         rising: 1,
+        directions: 5,
         classes: 3,
         discriminant: Kind::Quadratic,
     };
-    assert_eq!(reader.layout(), Ok(expected));
+    assert_eq!(reader.layout(true), Ok(expected));
     assert_eq!(reader.0, [0xAA; 3]);
-    assert_eq!(Reader(&[2, 0, 0, 4, 0, 1, 0, 1, 0, 2, 0]).layout().map(|layout| layout.regression), Ok(None));
+    assert_eq!(Reader(&[2, 0, 0, 4, 0, 1, 0, 1, 0, 1, 2, 0]).layout(true).map(|layout| layout.regression), Ok(None));
 }
 
 #[test]
@@ -111,7 +112,7 @@ fn variants_are_those_of_their_bytes_and_no_others() {
     let at = |place: usize, byte: u8| {
         let mut bytes = LAYOUT;
         bytes[place] = byte;
-        let layout = Reader(&bytes).layout()?;
+        let layout = Reader(&bytes).layout(true)?;
         Ok(layout.regression.map(|own| (own.structure.offset, own.method, own.memory)))
     };
     let (squares, instruments) = (Method::LeastSquares, Method::Instruments);
@@ -120,11 +121,11 @@ fn variants_are_those_of_their_bytes_and_no_others() {
     assert_eq!(at(9, 0), Ok(Some((true, instruments, Memory::Segment))));
     assert_eq!(at(9, 1), Ok(Some((true, instruments, Memory::LongSegment))));
     // Flags are 0 or 1, memories 0 to 2.
-    for (place, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (32, 2), (9, 3), (1, 0xFF), (9, 0xFF)] {
+    for (place, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (33, 2), (31, 0), (9, 3), (1, 0xFF), (9, 0xFF)] {
         assert_eq!(at(place, byte), Err(ModelError::OutOfRange(Field::Layout)), "{place} {byte}");
     }
     for length in 0..LAYOUT.len() - 3 {
-        assert_eq!(Reader(&LAYOUT[..length]).layout(), Err(ModelError::Truncated), "{length} bytes");
+        assert_eq!(Reader(&LAYOUT[..length]).layout(true), Err(ModelError::Truncated), "{length} bytes");
     }
 }
 
@@ -169,6 +170,7 @@ fn small() -> RunTime {
         covariates: 1,
         coordinates: 1,
         rising: 1,
+        directions: 1,
         classes: 2,
         ..Layout::EMPTY
     })
@@ -234,7 +236,7 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     assert_eq!((blocks.controls.to_vec(), blocks.cell_turns_log2), ([62, 63, 64, 65].to_vec(), 66));
     assert_eq!([blocks.slip, blocks.slowest_rad_s, blocks.pole, blocks.high_pass], from(67));
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = constants.evidence;
-    assert_eq!(([bet, limit, cap], segments_a_run, [log_mean, defect_log_mean]), (from(243), 246, from(247)));
+    assert_eq!(([bet, limit, cap], segments_a_run, [log_mean, defect_log_mean]), (from(254), 257, from(258)));
     assert_eq!(constants.labels.iter().map(Label::as_str).collect::<Vec<_>>(), ["good", "spall"]);
 }
 
@@ -249,9 +251,17 @@ fn classifier(own: &mut Payload) {
     own.bytes.push(1); // the healthy class
     own.floats(1 + 1 + 2 * KNOTS + 1); // from 95: mean; 96: factor; 97: law; 145: limit
     own.floats(1 + 2 * 2 * KNOTS); // 146: freedom; from 147: two laws
-    own.floats(3); // from 243: bet, limit, cap
-    own.word(); // 246: segments a run
-    own.floats(2); // from 247: means of the logarithms
+    own.floats(2); // from 243: segments of a usual run, margin
+    own.bytes.extend([3, 4]); // runs that are learned
+    own.bytes.push(7); // the coordinate of the direction
+    for place in 1..=4 {
+        own.bytes.push(place);
+        own.floats(1); // from 245: weight in the background
+    }
+    own.floats(5); // from 249: centre, and the law
+    own.floats(3); // from 254: bet, limit, cap
+    own.word(); // 257: segments a run
+    own.floats(2); // from 258: means of the logarithms
     own.text("good", 16);
     own.text("spall", 16);
 }
@@ -273,8 +283,20 @@ fn numbers_of_classifier_and_alarm_are_in_the_order_of_the_format() {
         (&from::<2>(85)[..], &from::<1>(87)[..], &from::<2>(88)[..])
     );
     assert_eq!((&costs[..], *reject_cost), (&from::<4>(90)[..], 94.0));
-    let Novelty { class, mean, factor, knots, limit, freedom, laws } = &classifier.novelty;
+    let Novelty { class, mean, factor, knots, limit, freedom, laws, directions } = &classifier.novelty;
     assert_eq!((*class, &mean[..], &factor[..]), (Some(1), &from::<1>(95)[..], &from::<1>(96)[..]));
     assert_eq!((*knots, *limit, *freedom), (law(97), 145.0, 146.0));
     assert_eq!(laws[..], [law(147), law(147 + 48)]);
+    assert_eq!((directions.usual_segments, directions.margin, directions.most_runs), (243.0, 244.0, 0x0403));
+    let background = |k: u8| Background { coordinate: k, weight: 244.0 + f32::from(k) };
+    let expected = crate::decide::Direction {
+        coordinate: 7,
+        background: [1, 2, 3, 4].map(background),
+        centre: 249.0,
+        between: 250.0,
+        run: 251.0,
+        segment: 252.0,
+        skewness: 253.0,
+    };
+    assert_eq!(directions.list, [expected]);
 }

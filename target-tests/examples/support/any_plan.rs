@@ -35,6 +35,7 @@ bearing_watch::bounded_plan! {
         covariates: 0,
         coordinates: COORDINATES,
         rising: COORDINATES,
+        directions: 0,
         classes: CLASSES,
         map: COORDINATES * FEATURES,
         densities: CLASSES * COORDINATES * (COORDINATES + 1) / 2,
@@ -89,6 +90,7 @@ fn layout(dice: &mut Dice) -> Layout {
         covariates: 0,
         coordinates,
         rising: below(dice, coordinates + 1),
+        directions: 0,
         classes: 1 + below(dice, 3),
         discriminant: one_of(dice, [Kind::Linear, Kind::Quadratic]),
     }

@@ -75,12 +75,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         conclusion.take(&prepared, &segments, &evidence);
         for (k, (segment, watched)) in segments.iter().zip(&evidence).enumerate() {
             if args.json {
-                values.push(value(
-                    &model,
-                    (&prepared, k),
-                    (segment, watched),
-                    [missing(&model, &notes.orders, segment), outside(&model, &notes.orders, segment)],
-                ));
+                values.push(value(&model, (&prepared, k), (segment, watched), &notes.orders));
                 continue;
             }
             let gated = model.healthy().is_some();
@@ -92,9 +87,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
                     + &if gated { far(segment, watched) } else { "".into() }
                     + &offset(segment),
             )?;
-            if let (Some(alarm), Some(cause), false) = (watched.alarm, watched.cause(&model.classes), raised) {
+            if let (Some(alarm), Some(cause), false) = (watched.alarm, watched.cause(&model, &notes.orders), raised) {
                 raised = true;
-                output::say(format!("ALARM at segment {}: {cause}", alarm.segment))?;
+                output::say(format!("ALARM at segment {}: {cause}{}", alarm.segment, watched.rise()))?;
             }
             trend = watched.trend;
         }
@@ -253,8 +248,9 @@ fn value(
     model: &Embedded,
     (trace, number): (&Trace, usize),
     (segment, watched): (&SegmentReport, &Watched),
-    [missing, outside]: [Vec<String>; 2],
+    orders: &[String],
 ) -> serde_json::Value {
+    let (missing, outside) = (missing(model, orders, segment), outside(model, orders, segment));
     let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
         names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
     };
@@ -279,7 +275,12 @@ fn value(
         "distance": segment.distance,
         "surprise": segment.surprise,
         "score": watched.score,
-        "alarm": watched.alarm.map(|alarm| json!({ "segment": alarm.segment, "cause": watched.cause(classes) })),
+        "alarm": watched.alarm.map(|alarm| json!({
+            "segment": alarm.segment,
+            "cause": watched.cause(model, orders),
+            "deviations": watched.main.map(|main| main.deviations),
+            "since": watched.main.map(|main| main.since + 1),
+        })),
         "trend": watched.trend.map(|t| json!({ "value": t.slope, "low": t.low, "high": t.high })),
         "parameters": estimated.then(|| named_by(&model.structure().map_or_else(Vec::new, |own| own.names()), &segment.raw)),
         "variance": estimated.then_some(segment.variance),

@@ -37,7 +37,7 @@ pub fn page(
     let clock = Clock::new(replayed);
     let judged = clock.judged(model, replayed);
     let starts = if (2..=MARKED).contains(&replayed.len()) { clock.starts(replayed) } else { vec![] };
-    let events: Vec<Event> = starts.into_iter().chain(clock.alarm(model, replayed)).collect();
+    let events: Vec<Event> = starts.into_iter().chain(clock.alarm(model, conclusion.orders(), replayed)).collect();
     let strips = strips(&model.classes, &judged);
     let signals = signals(model, channels, replayed, &clock);
     let mut over_time = or_reason(plot::timeline("Signals and verdicts", clock.label, &signals, &strips, &events));
@@ -104,9 +104,9 @@ impl Clock {
     }
 
     /// The first alarm.
-    fn alarm(&self, model: &Embedded, replayed: &[Replayed]) -> Option<Event> {
+    fn alarm(&self, model: &Embedded, orders: &[String], replayed: &[Replayed]) -> Option<Event> {
         self.spans(replayed).find_map(|(span, one, k)| {
-            let cause = one.watched.get(k)?.cause(&model.classes)?;
+            let cause = one.watched.get(k)?.cause(model, orders)?;
             Some(Event { at: span.1, name: format!("ALARM: {cause}") })
         })
     }

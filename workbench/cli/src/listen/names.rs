@@ -48,6 +48,11 @@ impl Names {
         self.classes.get(usize::from(class)).cloned().unwrap_or_else(|| format!("class {}", u16::from(class) + 1))
     }
 
+    /// Name of a feature.
+    pub(super) fn feature(&self, place: u8) -> String {
+        self.features.get(usize::from(place)).cloned().unwrap_or_else(|| format!("feature {}", u16::from(place) + 1))
+    }
+
     /// Names of the channels.
     pub(super) fn channel_names(&self) -> Vec<&str> {
         self.channels.iter().map(|(name, _)| name.as_str()).collect()

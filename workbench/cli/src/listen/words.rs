@@ -58,6 +58,7 @@ pub(super) fn cause(names: &Names, alarm: Alarm) -> String {
     match alarm.cause {
         Cause::Class(class) => names.class(class),
         Cause::Unknown => "unknown".into(),
+        Cause::Coordinate(place) => names.feature(place),
     }
 }
 

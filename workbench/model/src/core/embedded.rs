@@ -107,6 +107,7 @@ impl Embedded {
             posteriors: decided(|d| d.posteriors()),
             log_likelihoods: decided(|d| d.log_likelihoods()),
             beyond: report.decision.as_ref().map_or_else(Vec::new, |decision| decision.beyond().to_vec()),
+            directed: report.decision.as_ref().map_or_else(Vec::new, |decision| decision.directed().to_vec()),
             reason: match report.verdict {
                 Verdict::Undetermined(reason) => Some(reason),
                 _ => None,
@@ -160,6 +161,13 @@ impl Embedded {
         let named = self.channel_names().into_iter().map(String::from).zip(0_u8..);
         let averaged = named.filter(|(_, place)| (mask >> place) & 1 == 1).collect();
         Catalogue { structure, orders: Some(orders.to_vec()), averaged }
+    }
+
+    /// Name of the feature at a place of the model, which is a coordinate if there is no projection.
+    #[must_use]
+    pub fn feature_name(&self, orders: &[String], place: u8) -> String {
+        let feature = self.model.constants().classifier.features.get(usize::from(place));
+        feature.map_or_else(|| "unknown".into(), |feature| self.catalogue(orders).name(*feature))
     }
 
     /// The covariates that were missing or outside their range.

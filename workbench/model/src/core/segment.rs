@@ -15,6 +15,8 @@ pub struct SegmentReport {
     pub log_likelihoods: Vec<f32>,
     /// Whether the segment is beyond the gate of each class; empty if there is no verdict.
     pub beyond: Vec<bool>,
+    /// The value of each direction that the alarm watches; empty if there is no verdict.
+    pub directed: Vec<FeatureValue>,
     /// Why there is no verdict, if the core says so.
     pub reason: Option<Reason>,
     /// Distance from the healthy class in its standard deviations; 0 if there is no healthy class or no verdict.

@@ -1,9 +1,10 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
-use bearing_watch::alarm::{Silence, Trend};
+use bearing_watch::alarm::{Contribution, Silence, Trend};
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Alarm, Cause, Decision, Evidence, Model};
 
+use super::embedded::Embedded;
 use super::segment::SegmentReport;
 
 /// State of the evidence after a segment.
@@ -13,6 +14,8 @@ pub struct Watched {
     pub score: f32,
     /// The alarm, once raised.
     pub alarm: Option<Alarm>,
+    /// What raised it, in a model whose alarm watches directions.
+    pub main: Option<Contribution>,
     /// Slope of the distance from healthy.
     pub trend: Option<Trend>,
     /// Whether no segment has had a verdict for too long, and why.
@@ -22,15 +25,25 @@ pub struct Watched {
 impl Watched {
     pub(super) fn of(evidence: &Evidence<RunTime>) -> Self {
         let (score, alarm) = (evidence.score(), evidence.alarm());
-        Self { score, alarm, trend: evidence.trend(), silence: evidence.silence() }
+        let (main, trend, silence) = (evidence.main_contribution(), evidence.trend(), evidence.silence());
+        Self { score, alarm, main, trend, silence }
     }
 
-    /// The class that the alarm names; `unknown` if it names none.
+    /// The class or feature that the alarm names; `unknown` if it names none. `orders` are the names of the orders.
     #[must_use]
-    pub fn cause<'a>(&self, classes: &'a [String]) -> Option<&'a str> {
+    pub fn cause(&self, model: &Embedded, orders: &[String]) -> Option<String> {
         self.alarm.map(|alarm| match alarm.cause {
-            Cause::Class(class) => classes.get(usize::from(class)).map_or("", String::as_str),
-            Cause::Unknown => "unknown",
+            Cause::Class(class) => model.classes.get(usize::from(class)).cloned().unwrap_or_default(),
+            Cause::Unknown => "unknown".into(),
+            Cause::Coordinate(place) => model.feature_name(orders, place),
+        })
+    }
+
+    /// By how much and since when what raised the alarm has risen; empty without directions.
+    #[must_use]
+    pub fn rise(&self) -> String {
+        self.main.map_or_else(String::new, |Contribution { deviations, since, .. }| {
+            format!(", {deviations:.1} deviations above what is usual for this drive, since segment {}", since + 1)
         })
     }
 }
@@ -57,6 +70,7 @@ fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Option<Decision<
     let mut decision = classifier.decide(model.plan(), &segment.log_likelihoods, segment.surprise)?;
     (decision.distance, decision.distance_surprise) = (segment.distance, segment.distance_surprise);
     decision.set_beyond(&segment.beyond);
+    decision.set_directed(&segment.directed);
     Some(decision)
 }
 

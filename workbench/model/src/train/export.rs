@@ -4,8 +4,8 @@
 use std::fmt::Write as _;
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Classifier, Covariate, Covariates, EvidenceConstants, Feature, KNOTS, Law, Regression,
-    Sampling, ShaftConstants,
+    Background, Balance, Blocks, Channel, Classifier, Covariate, Covariates, Direction, Directions, EvidenceConstants,
+    Feature, KNOTS, Law, Regression, Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
 use bearing_watch::{FrictionTerm, Park};
@@ -101,7 +101,10 @@ impl Source {
 
 fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: &[Covariate]) {
     let mut model = vec!["Channel", "Classifier", "Constants", "Covariates", "Discriminant", "EvidenceConstants"];
-    model.extend(["Feature", "Label", "Novelty", "Projection", "Sampling"]);
+    model.extend(["Directions", "Feature", "Label", "Novelty", "Projection", "Sampling"]);
+    if layout.directions > 0 {
+        model.extend(["Background", "Direction"]);
+    }
     let mut plan = vec!["Kind", "Layout"];
     if layout.regression.is_some() {
         model.extend(["Forgetting", "Regression"]);
@@ -170,7 +173,7 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
         out.line(3, &format!("harmonics: {harmonics},"));
         out.line(2, "}),");
     }
-    let Layout { averaged, features, covariates, coordinates, rising, classes, discriminant, .. } = layout;
+    let Layout { averaged, features, covariates, coordinates, rising, directions, classes, discriminant, .. } = layout;
     if *averaged != 0 {
         let named = channels.iter().enumerate().filter(|(place, _)| (averaged >> place) & 1 == 1);
         let masks: Vec<String> = named.map(|(_, channel)| format!("{}.mask()", channel.name.as_str())).collect();
@@ -183,6 +186,9 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
     out.line(2, &format!("coordinates: {coordinates},"));
     if *rising > 0 {
         out.line(2, &format!("rising: {rising},"));
+    }
+    if *directions > 0 {
+        out.line(2, &format!("directions: {directions},"));
     }
     out.line(2, &format!("classes: {classes},"));
     out.line(2, &format!("discriminant: Kind::{discriminant:?},"));
@@ -308,7 +314,8 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
         None => {
             let sizes = format!("mean: [0.0; {z}], factor: [0.0; {}]", layout.density());
             let rest = format!("knots: [[0.0; 2]; {KNOTS}], laws: [], freedom: 1.0, limit: f32::INFINITY");
-            out.line(2, &format!("novelty: Novelty {{ class: None, {sizes}, {rest} }},"));
+            let none = "directions: Directions::NONE";
+            out.line(2, &format!("novelty: Novelty {{ class: None, {sizes}, {rest}, {none} }},"));
         }
         Some(class) => {
             out.line(2, "novelty: Novelty {");
@@ -319,10 +326,37 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
             laws(out, &novelty.laws);
             out.line(3, &format!("freedom: {},", number(novelty.freedom)));
             out.line(3, &format!("limit: {},", number(novelty.limit)));
+            directions(out, &novelty.directions);
             out.line(2, "},");
         }
     }
     out.line(1, "},");
+}
+
+fn directions(out: &mut Source, Directions { list, usual_segments, margin, most_runs }: &Directions<RunTime>) {
+    if list.is_empty() {
+        return out.line(3, "directions: Directions::NONE,");
+    }
+    out.line(3, "directions: Directions {");
+    out.line(4, "list: [");
+    for Direction { coordinate, background, centre, between, run, segment, skewness } in list {
+        out.line(5, "Direction {");
+        out.line(6, &format!("coordinate: {coordinate},"));
+        out.line(6, "background: [");
+        for Background { coordinate, weight } in background {
+            out.line(7, &format!("Background {{ coordinate: {coordinate}, weight: {} }},", number(*weight)));
+        }
+        out.line(6, "],");
+        let numbers =
+            [("centre", centre), ("between", between), ("run", run), ("segment", segment), ("skewness", skewness)];
+        numbers.into_iter().for_each(|(name, value)| out.line(6, &format!("{name}: {},", number(*value))));
+        out.line(5, "},");
+    }
+    out.line(4, "],");
+    out.line(4, &format!("usual_segments: {},", number(*usual_segments)));
+    out.line(4, &format!("margin: {},", number(*margin)));
+    out.line(4, &format!("most_runs: {most_runs},"));
+    out.line(3, "},");
 }
 
 fn laws(out: &mut Source, laws: &[Law]) {

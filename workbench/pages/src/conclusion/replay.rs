@@ -105,10 +105,15 @@ impl<'a> Conclusion<'a> {
             self.rising = None;
         }
         self.score = self.score.max(watched.score);
-        if let Some(cause) = watched.cause(&self.model.classes) {
+        if let Some(cause) = watched.cause(self.model, self.orders) {
             let since = self.rising.clone().unwrap_or_else(|| at.to_owned());
-            self.alarm = Some(Raised { cause: cause.to_owned(), at: at.to_owned(), since });
+            self.alarm = Some(Raised { cause: cause + &watched.rise(), at: at.to_owned(), since });
         }
+    }
+
+    /// Names of the tracked orders.
+    pub(crate) const fn orders(&self) -> &[String] {
+        self.orders
     }
 
     /// The sentences.
