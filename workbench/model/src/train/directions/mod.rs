@@ -19,6 +19,8 @@ mod words;
 
 use std::collections::BTreeMap;
 
+use nalgebra::DVector;
+
 use levels::Sample;
 pub use levels::{FEWEST, Levels};
 
@@ -51,6 +53,25 @@ pub struct Direction {
     pub background: Vec<(usize, f64)>,
     /// Mean and spreads.
     pub levels: Levels,
+}
+
+impl Direction {
+    /// Its value and the excess variance of the error, from coordinates and theirs; `None` if one is missing.
+    #[must_use]
+    pub fn value(&self, z: &DVector<f64>, variances: &DVector<f64>) -> Option<[f64; 2]> {
+        value((self.coordinate, &self.background), z, variances)
+    }
+}
+
+fn value(
+    (coordinate, background): (usize, &[(usize, f64)]),
+    z: &DVector<f64>,
+    variances: &DVector<f64>,
+) -> Option<[f64; 2]> {
+    let terms = || std::iter::once((coordinate, 1.0)).chain(background.iter().map(|(k, w)| (*k, -w)));
+    let variance: f64 = terms().map(|(k, w)| w * w * variances[k]).sum();
+    let value: f64 = terms().map(|(k, w)| w * z[k]).sum();
+    (variance.is_finite() && value.is_finite()).then_some([value, variance])
 }
 
 /// The directions, and the runs that they were estimated from.
@@ -219,12 +240,7 @@ impl<'a> Rows<'a> {
     /// Values of a direction in all records that have its coordinates.
     fn sample(&self, coordinate: usize, background: &[(usize, f64)]) -> Sample {
         let FeatureTable { rows, variances, .. } = self.set.table;
-        let of_row = |row: usize| {
-            let terms = || std::iter::once((coordinate, 1.0)).chain(background.iter().map(|(k, w)| (*k, -w)));
-            let variance: f64 = terms().map(|(k, w)| w * w * variances[row][k]).sum();
-            let value: f64 = terms().map(|(k, w)| w * rows[row][k]).sum();
-            (variance.is_finite() && value.is_finite()).then_some([value, variance])
-        };
+        let of_row = |row: usize| value((coordinate, background), &rows[row], &variances[row]);
         let run = |places: &Vec<usize>| places.iter().filter_map(|&row| of_row(row)).collect();
         self.places.iter().map(|runs| runs.iter().map(run).collect()).collect()
     }
