@@ -8,6 +8,7 @@ use rig::Condition;
 use studies::campaign::{Settings, campaign, render};
 use studies::ema;
 use studies::field::commissioned;
+use studies::field::delay;
 use studies::field::sessions::{self, Fleet};
 use studies::field::{self, bounds};
 use studies::healthy_sets::{self, sets::SETS};
@@ -28,6 +29,7 @@ use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
   bearing-watch campaign --ema --default --draws 5
   bearing-watch campaign --healthy-sets
   bearing-watch campaign --field --commissioned --draws 5
+  bearing-watch campaign --field --delay --draws 1
 
 With --ema the records are those of the simulated actuator: phase currents and resolver counts at 12 kHz, through the \
 core's front end to 1 kHz, under random conditions, beside the source's method and its calibration. \
@@ -65,6 +67,9 @@ pub(super) struct Args {
     /// Gates learned on the drive, merged with the one of the test bench, beside the latter alone
     #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features", "sessions"])]
     commissioned: bool,
+    /// Hours between false alarms and runs until the alarm, on drives that were not in training; a draw takes minutes
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions", "commissioned"])]
+    delay: bool,
     /// Draw a table of the field that was printed before, for example docs/field.md, and compute nothing
     #[arg(long, value_name = "FILE", requires_all = ["field", "report"])]
     printed: Option<PathBuf>,
@@ -151,6 +156,9 @@ fn run_field(args: &Args) -> Result<(), Error> {
     if args.sessions {
         return run_sessions(args);
     }
+    if args.delay {
+        return run_delay(args);
+    }
     if args.commissioned {
         return run_commissioned(args);
     }
@@ -211,6 +219,23 @@ fn run_commissioned(args: &Args) -> Result<(), Error> {
         return output::json("campaign-commissioned", commissioned::to_json(&all));
     }
     output::say(commissioned::text(&all, &settings).trim_end())
+}
+
+fn run_delay(args: &Args) -> Result<(), Error> {
+    let settings = delay::Settings::STANDARD;
+    let asked = |condition: &Condition| args.only.is_empty() || args.only.iter().any(|own| own == condition.name);
+    let conditions: Vec<Condition> = delay::conditions().into_iter().filter(asked).collect();
+    if conditions.is_empty() {
+        return Err(Error::Usage("--delay has the rows field-sine and field-any".into()));
+    }
+    let draws = args.first..args.first + args.repetitions;
+    let all: Vec<(Condition, u32)> =
+        conditions.iter().flat_map(|condition| draws.clone().map(|draw| (*condition, draw))).collect();
+    let all = each("delay", &all, |(condition, draw)| delay::draw(*condition, *draw, &settings))?;
+    if args.json {
+        return output::json("campaign-delay", delay::to_json(&all, &settings));
+    }
+    output::say(delay::text(&all, &settings).trim_end())
 }
 
 /// Results of `of` for all items, with progress.

@@ -65,6 +65,7 @@ enum Form {
     CampaignSessions,
     /// What `campaign --field --commissioned --json` prints
     CampaignCommissioned,
+    CampaignDelay,
     /// What `campaign --healthy-sets --json` prints
     CampaignHealthySets,
     /// What `listen --json` prints on each line
@@ -95,6 +96,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Form::CampaignBounds => study_forms::CAMPAIGN_BOUNDS.schema(),
         Form::CampaignSessions => study_forms::CAMPAIGN_SESSIONS.schema(),
         Form::CampaignCommissioned => study_forms::CAMPAIGN_COMMISSIONED.schema(),
+        Form::CampaignDelay => study_forms::CAMPAIGN_DELAY.schema(),
         Form::CampaignHealthySets => study_forms::CAMPAIGN_HEALTHY_SETS.schema(),
         Form::Listen => study_forms::LISTEN.schema(),
         Form::Error => forms::ERROR.schema(),

@@ -108,6 +108,15 @@ pub(super) const CAMPAIGN_COMMISSIONED: Form = Form {
     optional: &[],
 };
 
+/// `campaign --field --delay --json`.
+pub(super) const CAMPAIGN_DELAY: Form = Form {
+    name: "campaign-delay",
+    about: "Hours between false alarms and runs until the alarm, on drives that were not in training",
+    list: false,
+    keys: &[ROWS],
+    optional: &[],
+};
+
 /// `campaign --healthy-sets --json`.
 pub(super) const CAMPAIGN_HEALTHY_SETS: Form = Form {
     name: "campaign-healthy-sets",

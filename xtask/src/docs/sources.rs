@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 24] = [
+pub const SOURCES: [Source; 25] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -42,6 +42,7 @@ pub const SOURCES: [Source; 24] = [
     slow("field-sessions", Tolerance::Exact, |_| {
         workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
     }),
+    slow("delay", Tolerance::Exact, |_| workbench("campaign --field --delay --draws 1", "delay", "docs/alarm.md")),
     slow("healthy-sets", Tolerance::Exact, |_| {
         workbench("campaign --healthy-sets --draws 40", "healthy-sets", results::FIELD)
     }),

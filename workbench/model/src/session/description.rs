@@ -5,6 +5,7 @@ use bearing_watch::plan::Method;
 use serde_json::{Value, json};
 
 use crate::trace::{Channels, Preparation, ShaftChannels};
+use crate::train::directions::{Direction, Levels};
 use crate::train::label;
 use crate::train::novelty::runs::{RunSpread, Slope};
 use crate::train::novelty::{Gate, baseline};
@@ -91,10 +92,11 @@ pub fn lines(trained: &Trained, channels: &Channels, host: Preparation) -> Vec<S
 #[must_use]
 pub fn doubts(trained: &Trained) -> Vec<String> {
     let own = trained.left_out.summary().into_iter().chain(trained.watch.warning.clone());
+    let unwatched = trained.watch.directions.iter().filter_map(|own| own.unwatched(&trained.coordinate_names));
     let doubted = trained.doubted.iter().flat_map(Doubted::lines);
     let dependence = trained.dependence.iter().map(Dependence::line);
     let cut = label::cut(&trained.classes);
-    own.chain(dependence).chain(doubted).chain(rotor_warnings(trained)).chain(cut).collect()
+    own.chain(unwatched).chain(dependence).chain(doubted).chain(rotor_warnings(trained)).chain(cut).collect()
 }
 
 /// Warns if the host prepares what the detector cannot.
@@ -158,6 +160,10 @@ fn alarm(trained: &Trained) -> String {
     if limit.is_infinite() {
         return "no alarm".into();
     }
+    if let Some(directions) = &trained.watch.directions {
+        let words = directions.words(&trained.coordinate_names);
+        return format!("alarm: {words}; {} between false alarms", interval(trained));
+    }
     let runs = match segments_a_run {
         1 => "segments count as independent".into(),
         segments => format!("a run ends after {segments} segments, or where the firmware ends it"),
@@ -169,6 +175,16 @@ fn alarm(trained: &Trained) -> String {
         100.0 * baseline::COVERED,
         cap - log_mean,
     )
+}
+
+/// The mean time between false alarms; in segments if their duration is not known.
+fn interval(trained: &Trained) -> String {
+    let segments = trained.watch.segments;
+    let segment_s = trained.interval_s * (trained.segment_samples * trained.block_mean) as f64;
+    if segment_s > 0.0 {
+        return format!("{:.4} h", segments * segment_s / 3600.0).replace(".0000 h", " h");
+    }
+    format!("{segments:.3e} segments")
 }
 
 /// Describes the spread of the runs on which the rate rests.
@@ -223,6 +239,34 @@ pub fn covariates_to_json(trained: &Trained) -> Value {
     })
 }
 
+/// Returns what the alarm watches as JSON; null without directions.
+fn directions_to_json(trained: &Trained) -> Value {
+    let Some(found) = &trained.watch.directions else { return Value::Null };
+    let names = &trained.coordinate_names;
+    let each = |own: &Direction| {
+        let Levels { centre, between, run, record, skewness, freedom } = own.levels;
+        json!({
+            "name": own.words(names),
+            "coordinate": names[own.coordinate],
+            "background": own.background.iter().map(|(k, weight)| json!({ "coordinate": names[*k], "weight": weight }))
+                .collect::<Vec<_>>(),
+            "mean": centre,
+            "variance_between_drives": between,
+            "variance_between_runs": run,
+            "variance_of_records": record,
+            "skewness": skewness,
+            "degrees_of_freedom": freedom,
+        })
+    };
+    json!({
+        "list": found.list.iter().map(each).collect::<Vec<_>>(),
+        "drives": found.drives,
+        "runs": found.runs,
+        "segments_a_run": found.usual,
+        "left_out": found.left_out.iter().map(|&k| &names[k]).collect::<Vec<_>>(),
+    })
+}
+
 /// Returns the gate and the alarm as JSON; null without a gate.
 #[must_use]
 pub fn gate_to_json(trained: &Trained) -> Value {
@@ -246,6 +290,7 @@ pub fn gate_to_json(trained: &Trained) -> Value {
                 "runs_to_gate": drift.runs_to(gate.law.squared_at(gate.limit).sqrt(), runs.count),
             })),
         })),
+        "alarm_directions": directions_to_json(trained),
         "alarm_interval_segments": trained.watch.segments,
         "alarm_limit_nats": trained.watch.evidence.limit,
         "alarm_cap_nats": trained.watch.evidence.cap,

@@ -48,8 +48,10 @@ impl Settings {
     /// # Errors
     /// They are.
     pub fn check(&self) -> Result<(), Error> {
-        if self.alarm.other_drive && self.validation.group.is_none() {
-            return Err(Error::Usage("--other-drive takes the groups as drives: name their column by --group".into()));
+        if self.alarm.other_drive && self.validation.group.is_none() && self.validation.unit.is_none() {
+            let problem = "--other-drive takes units or groups as drives: name their column by --unit, and that of \
+                           their runs by --group";
+            return Err(Error::Usage(problem.into()));
         }
         self.model.check()
     }

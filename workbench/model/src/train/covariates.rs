@@ -105,7 +105,7 @@ pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Option<Exp
             .map(|&row| {
                 let away = covariates.iter().zip(table.rows[row].iter()).map(|(own, z)| own.scaled(*z)).collect();
                 let (value, variance) = (candidates.table.rows[row][k], candidates.table.variances[row][k]);
-                (value, variance, away, runs.map_or(row, |runs| runs[row]))
+                (value, variance, away, runs.as_ref().map_or(row, |runs| runs[row]))
             })
             .collect();
         // A feature does not explain itself.

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::compose::compose;
 use super::contamination::{self, Doubted, Populations};
 use super::dependence::{self, Dependence};
+use super::directions;
 use super::estimating::{Estimating, estimating};
 use super::left_out::{Estimated, LeftOut};
 use super::novelty::{self, Rows};
@@ -160,7 +161,8 @@ impl<'a> Estimates<'a> {
         let runs = recipe.runs(&candidates);
         let shrink = choice.as_ref().map_or(recipe.shrink, |choice| Shrink::To(choice.shrinkage));
         let fixed = Recipe { shrink, ..recipe.clone() };
-        let watch = novelty::train(rows, (runs, segment_s), &fixed, &densities)?;
+        let directions = directions::of_candidates((&coordinates, &coordinate_names), &candidates, recipe);
+        let watch = novelty::train(rows, (runs.as_deref(), segment_s), &fixed, (&densities, directions))?;
         Ok(Trained {
             recipe: recipe.clone(),
             classes: self.classes.to_vec(),

@@ -36,7 +36,7 @@ impl Default for Validation {
 
 impl Validation {
     /// The number of what must not be split: the first trace of the group's unit, or the group without units.
-    fn whole(&self, group: usize) -> usize {
+    pub(super) fn whole(&self, group: usize) -> usize {
         let unit = self.units.get(group);
         unit.and_then(|unit| self.units.iter().position(|other| other == unit)).unwrap_or(group)
     }

@@ -57,7 +57,7 @@ impl Trained {
         let rising = self.recipe.rising(&fitted.coordinate_names);
         let (table, names) = (&fitted.coordinates, fitted.coordinate_names.as_slice());
         let rows = Rows { table, names, fitted: fitted_terms, rising };
-        let gate = novelty::required_gate(rows, self.recipe.runs(&before), &self.recipe.alarms)?;
+        let gate = novelty::required_gate(rows, self.recipe.runs(&before).as_deref(), &self.recipe.alarms)?;
         let mut found = FalseAlarms::default();
         for row in after.into_iter().filter(|&row| candidates.table.classes[row] == healthy) {
             let (z, variances) = fitted.coordinates_of(&candidates, row);

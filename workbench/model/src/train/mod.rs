@@ -21,6 +21,7 @@ pub mod covariance;
 mod covariates;
 mod cross_validation;
 mod dependence;
+pub mod directions;
 pub mod discriminant;
 mod estimates;
 mod estimating;

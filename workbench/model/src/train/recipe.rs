@@ -1,5 +1,7 @@
 //! The settings of training, without the traces.
 
+use std::borrow::Cow;
+
 use bearing_watch::Park;
 use bearing_watch::plan::Kind;
 
@@ -80,9 +82,15 @@ impl Recipe {
         }
     }
 
-    /// Returns the runs of the rows if the false-alarm rate is that of the next run.
-    pub(super) fn runs<'a>(&self, candidates: &'a Candidates) -> Option<&'a [usize]> {
-        (self.alarms.by_run && !self.validation.groups.is_empty()).then_some(candidates.groups.as_slice())
+    /// Returns the runs of the rows if the false-alarm rate is that of the next run; for another drive these are the
+    /// drives, where they are told.
+    pub(super) fn runs<'a>(&self, candidates: &'a Candidates) -> Option<Cow<'a, [usize]>> {
+        let counts = self.alarms.by_run && !self.validation.groups.is_empty();
+        let drives = counts && self.alarms.other_drive && !self.validation.units.is_empty();
+        if drives {
+            return Some(candidates.groups.iter().map(|&group| self.validation.whole(group)).collect());
+        }
+        counts.then_some(Cow::Borrowed(candidates.groups.as_slice()))
     }
 
     /// Returns the catalogue of available features.

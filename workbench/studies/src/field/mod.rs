@@ -17,12 +17,14 @@
 //! | [`run`] | one draw of one row |
 //! | [`tally`] | counts, and rates with intervals |
 //! | [`commissioned`] | gates learned on the drive beside the gate of the test bench |
+//! | [`delay`] | hours between false alarms and runs until the alarm |
 //! | [`sessions`] | false alarms of a fleet, drive by drive and day by day |
 //! | [`render`] | the table as text, rows and JSON |
 
 pub mod bounds;
 pub mod commissioned;
 pub mod default;
+pub mod delay;
 pub mod picture;
 pub mod recipe;
 pub mod render;

@@ -53,7 +53,7 @@ impl Judge {
         let (table, names) = (&fitted.coordinates, &fitted.coordinate_names[..]);
         let coefficients = fitted.explained.as_ref().map_or(0, Explained::fitted);
         let rows = Rows { table, names, fitted: coefficients, rising: recipe.rising(names) };
-        let gate = required_gate(rows, recipe.runs(seen), &recipe.alarms)?;
+        let gate = required_gate(rows, recipe.runs(seen).as_deref(), &recipe.alarms)?;
         Ok(Self { fitted, gate })
     }
 

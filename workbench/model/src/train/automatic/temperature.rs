@@ -167,7 +167,7 @@ impl Healthy {
         for (row, own) in weights.iter().enumerate() {
             let terms = own.iter().zip(before[row].iter().zip(&after[row]));
             let gained: f64 = terms.filter_map(|(w, (b, a))| Some(w * ((*b)? - (*a)?))).sum();
-            let (sum, count) = of_run.entry(runs.map_or(row, |runs| runs[row])).or_default();
+            let (sum, count) = of_run.entry(runs.as_ref().map_or(row, |runs| runs[row])).or_default();
             (*sum, *count) = (*sum + gained, *count + 1.0);
         }
         let (sum, count) = of_run.values().fold((0.0, 0.0), |(sum, n), (own, k)| (sum + own, n + k));

@@ -16,12 +16,16 @@ use super::gate::Gate;
 use super::knots::knots;
 use super::law::DistanceLaw;
 use crate::Error;
+use crate::train::directions::Directions;
 
 /// κ of the evidence: a mean surprise of 5 nats is detected fastest, and a mean surprise of 2 instead of 1 in the
 /// healthy state does not yet cause an alarm.
 pub const BET: f32 = 0.2;
 /// Fewest runs between false alarms.
 const LEAST_RUNS: f64 = 10.0;
+/// The most that one run adds to a score of directions, as a part of the limit, and what it leaves of it, nats.
+const CAP: f64 = 0.62;
+const APART: f64 = 2.0;
 /// Iterations of (2).
 const ITERATIONS: usize = 200;
 
@@ -36,13 +40,7 @@ pub fn constants(
     segments: f64,
     (segments_a_run, lasting): (u32, bool),
 ) -> Result<EvidenceConstants, Error> {
-    if segments < LEAST_RUNS * f64::from(segments_a_run) {
-        return Err(Error::Usage(format!(
-            "one false alarm in {segments} segments is too often for runs of {segments_a_run} segments; give at least \
-             {} segments",
-            LEAST_RUNS * f64::from(segments_a_run)
-        )));
-    }
+    enough(segments, segments_a_run)?;
     let size = match &gate.runs {
         Some(spread) => Size::of_runs(spread, gate.rows, lasting),
         None => Size::independent(gate.mean.len(), gate.rows),
@@ -61,6 +59,43 @@ pub fn constants(
         log_mean: log_mean as f32,
         defect_log_mean: 0.0,
     })
+}
+
+/// Returns the constants of an alarm by directions, for so many segments between false alarms; a run ends after those
+/// of the longest one if nothing else is said.
+///
+/// # Errors
+/// More alarms than every tenth run.
+pub(super) fn of_directions(
+    directions: &Directions,
+    segments: f64,
+    segments_a_run: Option<u32>,
+) -> Result<EvidenceConstants, Error> {
+    let segments_a_run = segments_a_run.unwrap_or(u32::try_from(directions.longest).unwrap_or(u32::MAX));
+    enough(segments, segments_a_run)?;
+    let limit = segments.ln() + directions.log_scores();
+    let room = limit - directions.usual.ln();
+    let cap = (CAP * room).min(room - APART);
+    Ok(EvidenceConstants {
+        bet: BET,
+        limit: limit as f32,
+        cap: cap as f32,
+        segments_a_run,
+        log_mean: 0.0,
+        defect_log_mean: 0.0,
+    })
+}
+
+/// Refuses alarms that are more frequent than every tenth run.
+fn enough(segments: f64, segments_a_run: u32) -> Result<(), Error> {
+    let least = LEAST_RUNS * f64::from(segments_a_run);
+    if segments >= least {
+        return Ok(());
+    }
+    Err(Error::Usage(format!(
+        "one false alarm in {segments} segments is too often for runs of {segments_a_run} segments; give at least \
+         {least} segments"
+    )))
 }
 
 /// Returns the constants for a baseline of so many segments of one drive in place of the trained one, for a gate with

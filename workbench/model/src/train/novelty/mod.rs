@@ -37,6 +37,7 @@ mod trend;
 
 use bearing_watch::model::EvidenceConstants;
 
+use super::directions::{Directions, DirectionsOrReason};
 use super::{GaussianClasses, Recipe};
 use crate::Error;
 pub use alarm::BET;
@@ -56,6 +57,8 @@ pub struct Watch {
     pub gate: Option<Gate>,
     /// Constants of the alarm.
     pub evidence: EvidenceConstants,
+    /// What the alarm watches; without directions it adds up the surprises of segments.
+    pub directions: Option<Directions>,
     /// Mean number of segments between false alarms.
     pub segments: f64,
     /// A warning for the user.
@@ -64,28 +67,31 @@ pub struct Watch {
 
 impl Watch {
     const fn without(warning: Option<String>) -> Self {
-        Self { gate: None, evidence: EvidenceConstants::NONE, segments: f64::INFINITY, warning }
+        let (evidence, segments) = (EvidenceConstants::NONE, f64::INFINITY);
+        Self { gate: None, evidence, directions: None, segments, warning }
     }
 }
 
 /// Trains on the coordinates and their densities by the `recipe`; `runs` is the run of each row, if the rate is that of
-/// the next run, and `segment_s` is the duration of a segment, if known.
+/// the next run, and `segment_s` is the duration of a segment, if known. The alarm is that of `directions` if there are
+/// any.
 pub(crate) fn train(
     rows: Rows<'_>,
     (runs, segment_s): (Option<&[usize]>, Option<f64>),
     recipe: &Recipe,
-    densities: &GaussianClasses,
+    (densities, directions): (&GaussianClasses, DirectionsOrReason),
 ) -> Result<Watch, Error> {
     let Rows { table, names, .. } = rows;
     let rows_of_runs = TrainingSet::Rows { table, runs };
-    watch((names, segment_s), recipe, densities, &|alarms| of_rows::gate(rows, runs, alarms), &rows_of_runs)
+    let gate = |alarms: &Alarms| of_rows::gate(rows, runs, alarms);
+    watch((names, segment_s), recipe, (densities, directions), &gate, &rows_of_runs)
 }
 
 /// Returns the gate by `gate`, and the constants of the alarm.
 fn watch(
     (names, segment_s): (&[String], Option<f64>),
     recipe: &Recipe,
-    densities: &GaussianClasses,
+    (densities, directions): (&GaussianClasses, DirectionsOrReason),
     gate: &dyn Fn(&Alarms) -> Result<GateOrReason, Error>,
     set: &TrainingSet<'_>,
 ) -> Result<Watch, Error> {
@@ -101,6 +107,15 @@ fn watch(
         Ok(gate) => gate,
         Err(problem) => return Ok(Watch::without(Some(problem + "; none is set"))),
     };
+    let (directions, no_directions) = match directions {
+        Ok(directions) => (Some(directions), None),
+        Err(why) => (None, why),
+    };
+    if let Some(directions) = directions {
+        let evidence = alarm::of_directions(&directions, segments, alarms.segments_a_run)?;
+        let warning = gate.warning(alarms.false_alarm);
+        return Ok(Watch { gate: Some(gate), evidence, directions: Some(directions), segments, warning });
+    }
     let usual = gate.runs.as_ref().filter(|_| !alarms.other_drive).map_or(1, |runs| runs.longest as u32);
     let run = (alarms.segments_a_run.unwrap_or(usual), alarms.other_drive);
     let found = alarm::constants(&gate, densities.means.len(), segments, run).map(|evidence| {
@@ -114,7 +129,8 @@ fn watch(
         }
         Err(problem) => return Err(problem),
     };
-    let warnings: Vec<String> = gate.warning(alarms.false_alarm).into_iter().chain(refused).collect();
+    let warnings: Vec<String> =
+        gate.warning(alarms.false_alarm).into_iter().chain(no_directions).chain(refused).collect();
     let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
-    Ok(Watch { gate: Some(gate), evidence, segments, warning })
+    Ok(Watch { gate: Some(gate), evidence, directions: None, segments, warning })
 }

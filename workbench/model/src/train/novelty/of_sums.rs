@@ -87,7 +87,7 @@ pub fn train(
         let scarce = || scarcity(counted, 0, names, alarms.false_alarm);
         checked(alarms, scarce, || healthy.gate(tails, (names, rising), alarms))
     };
-    watch((names, segment_s), recipe, densities, &gate, &TrainingSet::Counts(sizes))
+    watch((names, segment_s), recipe, (densities, Err(None)), &gate, &TrainingSet::Counts(sizes))
 }
 
 impl HealthySums {

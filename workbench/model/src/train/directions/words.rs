@@ -1,0 +1,61 @@
+//! Directions in words.
+
+use super::{Direction, Directions, FEWEST, MOST, quantity};
+
+/// Name of a coordinate for a reader.
+fn name(coordinate: &str) -> String {
+    let plain = quantity(coordinate);
+    if coordinate.starts_with("order_") || coordinate.starts_with("amplitude_") {
+        return format!("{plain} order");
+    }
+    match plain {
+        "viscous" => "viscous friction".into(),
+        "coulomb" => "Coulomb friction".into(),
+        "inverse_kt" => "torque constant".into(),
+        own => own.replace('_', " "),
+    }
+}
+
+impl Direction {
+    /// What it watches, by the names of the coordinates.
+    #[must_use]
+    pub fn words(&self, names: &[String]) -> String {
+        let of = |k: usize| names.get(k).map_or_else(|| format!("z{}", k + 1), |own| name(own));
+        let background: Vec<String> = self.background.iter().map(|(k, _)| of(*k)).collect();
+        match background.as_slice() {
+            [] => of(self.coordinate),
+            [others @ .., last] if !others.is_empty() => {
+                format!("{} given {} and {last}", of(self.coordinate), others.join(", "))
+            }
+            [only, ..] => format!("{} given {only}", of(self.coordinate)),
+        }
+    }
+}
+
+impl Directions {
+    /// What is watched, and on which runs it rests.
+    #[must_use]
+    pub fn words(&self, names: &[String]) -> String {
+        let Self { list, drives, runs, usual, .. } = self;
+        let each: Vec<String> = list.iter().map(|own| own.words(names)).collect();
+        let directions = if list.len() == 1 { "direction" } else { "directions" };
+        let of = match drives {
+            1 => format!("{runs} runs of one drive × {usual} records; of other drives it knows nothing"),
+            _ if runs % drives == 0 => format!("{drives} drives × {} runs × {usual} records", runs / drives),
+            _ => format!("{runs} runs of {drives} drives × {usual} records"),
+        };
+        format!("{} {directions} ({}), {of}", list.len(), each.join("; "))
+    }
+
+    /// Which features the alarm does not watch although a defect raises them.
+    #[must_use]
+    pub fn unwatched(&self, names: &[String]) -> Option<String> {
+        let each: Vec<&str> = self.left_out.iter().map(|&k| names[k].as_str()).collect();
+        (!each.is_empty()).then(|| {
+            format!(
+                "the alarm does not watch {}: it has at most {MOST} directions, and {FEWEST} degrees of freedom of each",
+                each.join(", ")
+            )
+        })
+    }
+}
