@@ -29,7 +29,9 @@ impl Trained {
         let covariates = count(self.core_covariates.list.len(), "covariates")?;
         let rises = self.watch.gate.as_ref().and_then(|gate| gate.rising.as_ref());
         let rising = count(rises.map_or(0, |rising| rising.laws.len()), "rising coordinates")?;
-        let layout = Layout { covariates, rising, ..self.parts.layout(sizes, densities.kind) };
+        let watched = self.watch.directions.as_ref().map_or(0, |own| own.list.len());
+        let directions = count(watched, "directions")?;
+        let layout = Layout { covariates, rising, directions, ..self.parts.layout(sizes, densities.kind) };
         let plan = plan(layout).map_err(refused)?;
         if let Some([one, other]) = alike(&self.classes) {
             let problem = format!("the classes {one} and {other} have one name in the model; rename one of them");
@@ -83,6 +85,9 @@ impl Trained {
                 (novelty.laws, novelty.freedom) = (rising.core(gate.limit), rising.freedom as f32);
             }
             novelty.limit = gate.limit as f32;
+        }
+        if let Some(directions) = &self.watch.directions {
+            novelty.directions = directions.core()?;
         }
         Ok(novelty)
     }

@@ -19,6 +19,8 @@ mod words;
 
 use std::collections::BTreeMap;
 
+use bearing_watch::model as core;
+use bearing_watch::plan::RunTime;
 use nalgebra::DVector;
 
 use levels::Sample;
@@ -26,6 +28,7 @@ pub use levels::{FEWEST, Levels};
 
 use super::{Candidates, FeatureTable, ProjectionKind, Recipe, Validation};
 use crate::core::features;
+use crate::error::Error;
 
 /// Most directions of a model.
 pub const MOST: usize = 8;
@@ -56,6 +59,29 @@ pub struct Direction {
 }
 
 impl Direction {
+    fn core(&self) -> Result<core::Direction, Error> {
+        let many =
+            || Error::Training("a direction has more coordinates in its background than a model can have".into());
+        let place = |k: usize| u8::try_from(k).map_err(|_| many());
+        let mut background = [core::Background::default(); core::MAX_BACKGROUND];
+        if self.background.len() > background.len() {
+            return Err(many());
+        }
+        for (cell, (coordinate, weight)) in background.iter_mut().zip(&self.background) {
+            *cell = core::Background { coordinate: place(*coordinate)?, weight: *weight as f32 };
+        }
+        let Levels { centre, between, run, record, skewness, .. } = self.levels;
+        Ok(core::Direction {
+            coordinate: place(self.coordinate)?,
+            background,
+            centre: centre as f32,
+            between: between as f32,
+            run: run as f32,
+            segment: record as f32,
+            skewness: skewness as f32,
+        })
+    }
+
     /// Its value and the excess variance of the error, from coordinates and theirs; `None` if one is missing.
     #[must_use]
     pub fn value(&self, z: &DVector<f64>, variances: &DVector<f64>) -> Option<[f64; 2]> {
@@ -92,6 +118,19 @@ pub struct Directions {
 }
 
 impl Directions {
+    /// The core's form.
+    ///
+    /// # Errors
+    /// A background of more coordinates than the core has places for.
+    pub(super) fn core(&self) -> Result<core::Directions<RunTime>, Error> {
+        Ok(core::Directions {
+            list: self.list.iter().map(Direction::core).collect::<Result<_, _>>()?,
+            usual_segments: self.usual as f32,
+            margin: MARGIN as f32,
+            most_runs: MOST_RUNS,
+        })
+    }
+
     /// ln(K): the part of the limit that is due to the number of scores.
     #[must_use]
     pub fn log_scores(&self) -> f64 {
