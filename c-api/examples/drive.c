@@ -81,7 +81,7 @@ static void print_report(void) {
     }
 }
 
-/* One piece of the main loop; returns its code. A drive sends the report instead of printing it. */
+/* One turn of the main loop; returns its code. A drive sends the report instead of printing it. */
 static BwCode turn(void) {
     BwCode code = bw_advance(detector);
     if (code == BW_CODE_REPORT) {

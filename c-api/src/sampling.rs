@@ -55,14 +55,10 @@ unsafe fn sample<'a>(
 fn collect(state: &BwState, sample: &Sample) -> Outcome {
     // The segment stays in its place until it is known to be there: each move of an option copies all of its bytes.
     let collect = |detector: &mut Detector<'static, Own>| {
-        let made_up = make_up(state, sample, |gap| match detector.collect(gap) {
+        take(state, sample, |sample| match detector.collect(sample) {
             Some(segment) => keep(state, segment),
             None => Ok(BwCode::Ok),
-        });
-        match detector.collect(sample) {
-            Some(segment) => keep(state, segment),
-            None => made_up,
-        }
+        })
     };
     state.sampling.with(collect).unwrap_or_else(|busy| lose(state, busy))
 }
@@ -75,26 +71,44 @@ fn lose<T>(state: &BwState, why: BwCode) -> Outcome<T> {
     Err(why)
 }
 
-/// Gives the detector samples without values for those that were lost since the last one: without them it would take the
-/// samples before and after the gap for neighbours. Returns the code of a segment that they close.
+/// Gives the detector a sample, and before it samples without values for those that were lost since the last one:
+/// without them it would take the samples before and after the gap for neighbours. Returns the code of a segment that
+/// one of them closes.
 #[inline(always)]
-fn make_up(state: &BwState, next: &Sample, take: impl FnMut(&Sample) -> Outcome) -> Outcome {
-    if state.missed.load(Ordering::Relaxed) == 0 { Ok(BwCode::Ok) } else { fill_gap(state, next, take) }
+fn take(state: &BwState, sample: &Sample, mut take: impl FnMut(&Sample) -> Outcome) -> Outcome {
+    // For one plan the code of a sample is small: a copy of its own for the usual case saves instructions.
+    if cfg!(bearing_watch_plan) && state.missed.load(Ordering::Relaxed) == 0 {
+        return take(sample);
+    }
+    take_with_gap(state, sample, take)
 }
 
-#[cold]
-#[inline(never)]
-fn fill_gap(state: &BwState, next: &Sample, mut take: impl FnMut(&Sample) -> Outcome) -> Outcome {
-    let missed = state.missed.swap(0, Ordering::Relaxed).min(MOST_MISSED);
-    let gap = Sample::of(&[f32::NAN; MAX_CHANNELS], next.angle());
+#[cfg_attr(bearing_watch_plan, cold, inline(never))]
+#[cfg_attr(not(bearing_watch_plan), inline(always))]
+fn take_with_gap(state: &BwState, sample: &Sample, mut take: impl FnMut(&Sample) -> Outcome) -> Outcome {
+    let mut gap = None;
+    let mut left = if state.missed.load(Ordering::Relaxed) == 0 { 0 } else { missed(state, sample, &mut gap) };
     let mut outcome = Ok(BwCode::Ok);
-    for _ in 0..missed {
-        match take(&gap) {
+    // One call for both kinds of samples, so that the code of a sample is here once.
+    loop {
+        let next = if left == 0 { sample } else { gap.as_ref().unwrap_or(sample) };
+        match take(next) {
             Ok(BwCode::Ok) => {}
             closed => outcome = closed,
         }
+        if left == 0 {
+            return outcome;
+        }
+        left -= 1;
     }
-    outcome
+}
+
+/// Makes the sample that stands in for a lost one; returns how often it does.
+#[cold]
+#[inline(never)]
+fn missed(state: &BwState, next: &Sample, gap: &mut Option<Sample>) -> u32 {
+    *gap = Some(Sample::of(&[f32::NAN; MAX_CHANNELS], next.angle()));
+    state.missed.swap(0, Ordering::Relaxed).min(MOST_MISSED)
 }
 
 /// Keeps a closed segment for the main loop.
@@ -134,16 +148,11 @@ fn step(state: &BwState, sample: &Sample) -> Outcome {
         if state.closed.is_full() || monitor.is_solving() {
             return Err(BwCode::Busy);
         }
-        let mut take = |detector: &mut Detector<'static, Own>, sample: &Sample| match monitor.step(detector, sample) {
-            Some(_) => BwCode::Report,
-            None => BwCode::Ok,
-        };
         state.sampling.with(|detector| {
-            let made_up = make_up(state, sample, |gap| Ok(take(detector, gap)));
-            match take(detector, sample) {
-                BwCode::Ok => made_up,
-                closed => Ok(closed),
-            }
+            take(state, sample, |sample| match monitor.step(detector, sample) {
+                Some(_) => Ok(BwCode::Report),
+                None => Ok(BwCode::Ok),
+            })
         })
     };
     state.settled(step).flatten().flatten().or_else(|why| lose(state, why))

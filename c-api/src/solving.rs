@@ -4,11 +4,11 @@ use crate::code::{BwCode, Outcome, code};
 use crate::memory::at;
 use crate::state::{BwState, OwnMonitor};
 
-/// Does a bounded piece of the solve of the closed segment; call it again and again in the main loop. The first piece
-/// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report, unless
-/// `bw_discard` has withdrawn it.
+/// Does the next step of the solve of the closed segment, of bounded cost; call it again and again in the main loop.
+/// The first step takes the segment, so that the interrupt can close the next one. The alarm takes account of the
+/// report, unless `bw_discard` has withdrawn it.
 ///
-/// Returns `BW_CODE_OK` if there is more to do, `BW_CODE_REPORT` with the last piece, or `BW_CODE_IDLE` if there is no
+/// Returns `BW_CODE_OK` if there is more to do, `BW_CODE_REPORT` with the last step, or `BW_CODE_IDLE` if there is no
 /// closed segment.
 ///
 /// # Safety

@@ -73,17 +73,17 @@ impl<P: Plan> Covariates<P> {
         if departures.is_empty() {
             return feature;
         }
-        let mut own = feature;
+        let mut corrected = feature;
         let row = self.map.cells().get(k.wrapping_mul(departures.len())..).unwrap_or(&[]);
         for ([a, b], c) in pairs(row, departures) {
             if *a == 0.0 && *b == 0.0 {
                 continue;
             }
-            own.value -= (a + b * c.value) * c.value; // (3)
+            corrected.value -= (a + b * c.value) * c.value; // (3)
             let slope = a + 2.0 * b * c.value;
-            own.variance += if c.is_missing() { f32::INFINITY } else { slope * slope * c.variance }; // (4)
+            corrected.variance += if c.is_missing() { f32::INFINITY } else { slope * slope * c.variance }; // (4)
         }
-        if own.is_missing() { FeatureValue::MISSING } else { own }
+        if corrected.is_missing() { FeatureValue::MISSING } else { corrected }
     }
 }
 

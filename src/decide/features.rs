@@ -141,7 +141,9 @@ impl Feature {
             _ if none => 0.0,
             Self::Friction(name) => return Ok(FeatureValue::of(term(name))),
             Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name))),
-            Self::FrictionScore(name) => shaft.and_then(|shaft| shaft.friction.of(name)).map_or(0.0, |own| own.score),
+            Self::FrictionScore(name) => {
+                shaft.and_then(|shaft| shaft.friction.of(name)).map_or(0.0, |parameter| parameter.score)
+            }
             Self::LogFrictionVariance => ln_of_level(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
             Self::OrderScore(place) => order(place).score,
             Self::LogOrderAmplitude(place) => ln_of_level(order(place).amplitude.max(LEAST_AMPLITUDE)),
@@ -174,7 +176,8 @@ fn channel_value(
     channel: u8,
     of: fn(&Average) -> Result<f32, Reason>,
 ) -> Result<FeatureValue, Reason> {
-    let average = averages.iter().find(|own| own.channel() == channel).ok_or(Reason::LostSamples { channel })?;
+    let average =
+        averages.iter().find(|average| average.channel() == channel).ok_or(Reason::LostSamples { channel })?;
     let value = of(average)?;
     Ok(if value.is_finite() { FeatureValue::exact(value) } else { FeatureValue::MISSING })
 }
@@ -250,9 +253,9 @@ mod tests {
         shaft.friction.viscous = Parameter { value: 4.0, deviation: 0.5, score: 2.0 };
         (shaft.friction.variance, shaft.friction_reason) = (1.0, None);
         let balance = Balance { prior: [0.5_f32.sqrt(); 7], deviation: 1.0, ..balance() };
-        let found = Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some((&shaft, &balance)), &[]));
-        let found = found.unwrap();
-        assert!((found.value - 5.0).abs() < 1e-5 && (found.variance - 0.5).abs() < 1e-6, "{found:?}");
+        let viscous = Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some((&shaft, &balance)), &[]));
+        let viscous = viscous.unwrap();
+        assert!((viscous.value - 5.0).abs() < 1e-5 && (viscous.variance - 0.5).abs() < 1e-6, "{viscous:?}");
     }
 
     #[test]

@@ -97,8 +97,8 @@ mod tests {
         assert_eq!(with([0.0; 3]).map(|z| (z.value, z.variance)), [(first, 0.0), (second, 0.0)]);
         assert_eq!(with([1.0, 0.5, 2.0]).map(|z| z.variance), [1.0 + 4.0 * 0.25, 16.0 * 0.25]);
         // The second coordinate does not contain the first feature.
-        let [missing, own] = with([f32::INFINITY, 0.5, 0.0]);
-        assert_eq!((missing, own.value, own.variance), (FeatureValue::MISSING, second, 4.0));
+        let [missing, present] = with([f32::INFINITY, 0.5, 0.0]);
+        assert_eq!((missing, present.value, present.variance), (FeatureValue::MISSING, second, 4.0));
         #[cfg(feature = "nalgebra")]
         {
             let (w, m) = projection.to_matrices::<2, 3>().unwrap();

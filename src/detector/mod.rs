@@ -123,13 +123,13 @@ impl<'m, P: Plan> Detector<'m, P> {
         let refused = self.gate.refused(&constants.channels, sample);
         average::take(plan, &mut self.averages, sample, refused);
         let parts = (self.shaft.part_mut(), constants.shaft.part(), layout.shaft);
-        if let (Some(shaft), Some(own), Some(layout)) = parts {
+        if let (Some(shaft), Some(shaft_constants), Some(layout)) = parts {
             let good = refused & layout.mask() == 0;
-            shaft.step(plan, own, sample, good);
+            shaft.step(plan, shaft_constants, sample, good);
             self.usable = self.usable.wrapping_add(u32::from(good));
         }
         let parts = (self.estimator.part_mut(), constants.regression.part(), layout.regression);
-        if let (Some(estimator), Some(own), Some(layout)) = parts {
+        if let (Some(estimator), Some(regression), Some(layout)) = parts {
             let good = refused & layout.mask() == 0;
             let inputs = Inputs::of(&layout, sample);
             let block = constants.sampling.block_mean;
@@ -142,7 +142,7 @@ impl<'m, P: Plan> Detector<'m, P> {
                 (Inputs { y, u1, u2 }, !core::mem::take(&mut self.spoiled))
             };
             if good {
-                estimator.take(plan, own, inputs, limit(&constants.channels, layout.y));
+                estimator.take(plan, regression, inputs, limit(&constants.channels, layout.y));
             } else {
                 estimator.skip(plan);
             }
@@ -219,8 +219,8 @@ impl<'m, P: Plan> Detector<'m, P> {
         if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
             estimator.next_segment(plan, regression);
         }
-        if let (Some(shaft), Some(own)) = (self.shaft.part_mut(), constants.shaft.part()) {
-            shaft.next_segment(plan, own);
+        if let (Some(shaft), Some(shaft_constants)) = (self.shaft.part_mut(), constants.shaft.part()) {
+            shaft.next_segment(plan, shaft_constants);
         }
     }
 
@@ -291,8 +291,8 @@ impl<'m, P: Plan> Detector<'m, P> {
         if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
             estimator.restart(plan, regression);
         }
-        if let (Some(shaft), Some(own)) = (self.shaft.part_mut(), constants.shaft.part()) {
-            *shaft = Shaft::new(plan, own);
+        if let (Some(shaft), Some(shaft_constants)) = (self.shaft.part_mut(), constants.shaft.part()) {
+            *shaft = Shaft::new(plan, shaft_constants);
         }
         self.averages = average::empty(plan);
         self.usable = 0;

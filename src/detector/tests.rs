@@ -194,7 +194,7 @@ fn what_another_model_made_is_refused() {
     evidence.limit_silence(crate::alarm::SilenceLimits { segments: 1, hours: 0.0 });
     evidence.observe(report.decision.as_ref());
     let reason = Some(Reason::OtherModel);
-    assert_eq!((evidence.segments(), evidence.silence().and_then(|own| own.reason)), ((1, 1), reason));
+    assert_eq!((evidence.segments(), evidence.silence().and_then(|silence| silence.reason)), ((1, 1), reason));
     assert_eq!(conclude(&model, collect(&other)).verdict, Verdict::Undetermined(Reason::OtherModel));
     let mut detector = Detector::new(&model);
     segment(&mut detector, samples(1.0));

@@ -120,29 +120,29 @@ mod tests {
 
     #[test]
     fn the_handover_is_told_once_and_the_successor_takes_over_there() {
-        let mut own = Auxiliary::new(candidate(1.0));
-        own.offer(candidate(2.0));
-        assert!(!own.next_segment(2, || candidate(9.0)) && own.awaits());
-        let ticks = [0; 4].map(|_| (own.tick(|| candidate(9.0)), own.now.threshold));
+        let mut auxiliary = Auxiliary::new(candidate(1.0));
+        auxiliary.offer(candidate(2.0));
+        assert!(!auxiliary.next_segment(2, || candidate(9.0)) && auxiliary.awaits());
+        let ticks = [0; 4].map(|_| (auxiliary.tick(|| candidate(9.0)), auxiliary.now.threshold));
         assert_eq!(ticks, [(false, 1.0), (true, 2.0), (false, 2.0), (false, 2.0)]);
-        assert!(own.next_segment(0, || candidate(9.0)) && !own.awaits(), "at once");
+        assert!(auxiliary.next_segment(0, || candidate(9.0)) && !auxiliary.awaits(), "at once");
     }
 
     #[test]
     fn the_nominal_model_returns_after_three_segments_without_a_successor() {
         for handover in [0, 1] {
-            let mut own = Auxiliary::new(candidate(1.0));
-            own.offer(candidate(2.0));
+            let mut auxiliary = Auxiliary::new(candidate(1.0));
+            auxiliary.offer(candidate(2.0));
             let models = [0; 6].map(|_| {
-                own.next_segment(handover, || candidate(9.0));
-                own.tick(|| candidate(9.0));
-                own.now.threshold
+                auxiliary.next_segment(handover, || candidate(9.0));
+                auxiliary.tick(|| candidate(9.0));
+                auxiliary.now.threshold
             });
             assert_eq!(models, [2.0, 2.0, 2.0, 9.0, 9.0, 9.0], "{handover}");
-            own.offer(candidate(3.0));
-            own.next_segment(handover, || candidate(9.0));
-            own.tick(|| candidate(9.0));
-            assert_eq!((own.now.threshold, own.refused), (3.0, 0), "{handover}");
+            auxiliary.offer(candidate(3.0));
+            auxiliary.next_segment(handover, || candidate(9.0));
+            auxiliary.tick(|| candidate(9.0));
+            assert_eq!((auxiliary.now.threshold, auxiliary.refused), (3.0, 0), "{handover}");
         }
     }
 

@@ -108,7 +108,7 @@ impl<P: Plan> Instruments<P> {
         let driven = dot(dot(self.constant, u1_used, beta), u2_used, gamma);
         let (dx, expected) = (dot(driven, x, t), dot(driven, y, t)); // (2)
 
-        let (own, scale) = constants.scale.cells().split_at_checked(na)?;
+        let (y_scale, scale) = constants.scale.cells().split_at_checked(na)?;
         let (u1_scale, scale) = scale.split_at_checked(nb)?;
         let (u2_scale, scale) = scale.split_at_checked(nc)?;
         let mut cells = put(self.row.cells_mut(), u1_used, u1_scale); // (3)
@@ -120,13 +120,11 @@ impl<P: Plan> Instruments<P> {
             }
             _ => scale,
         };
-        cells = put(put(cells, x, own), y, own);
+        cells = put(put(cells, x, y_scale), y, y_scale);
         let target = if predicts(memory) { dy - expected } else { dy };
         put(cells, &[target], scale);
         let weight = auxiliary::weight(dy - expected, self.auxiliary.now.threshold);
-        let moved = |change: f32, scale: &[f32]| scale.first().map_or(0.0, |scale| change * scale);
-        let (du1, du2) = (moved(du1, u1_scale), moved(du2, u2_scale));
-        let motion = du1 * du1 + du2 * du2;
+        let motion = squared(du1, u1_scale) + squared(du2, u2_scale);
 
         advance(y, dy);
         advance(x, dx);
@@ -284,14 +282,21 @@ fn advance(cells: &mut [f32], change: f32) {
     }
 }
 
+/// The square of a scaled change of an input; zero if the input has no terms.
+#[inline(always)]
+fn squared(change: f32, scale: &[f32]) -> f32 {
+    let scaled = scale.first().map_or(0.0, |scale| change * scale);
+    scaled * scaled
+}
+
 /// Writes scaled values into the first cells; returns the cells after them.
 #[inline(always)]
 fn put<'c>(cells: &'c mut [f32], values: &[f32], scale: &[f32]) -> &'c mut [f32] {
-    let Some((mut own, rest)) = cells.split_at_mut_checked(values.len()) else { return &mut [] };
+    let Some((mut section, rest)) = cells.split_at_mut_checked(values.len()) else { return &mut [] };
     let (mut values, mut scale) = (values, scale);
-    unrolled!(let ([cell, cells @ ..], [value, later @ ..], [factor, factors @ ..]) = (own, values, scale) => {
+    unrolled!(let ([cell, cells @ ..], [value, later @ ..], [factor, factors @ ..]) = (section, values, scale) => {
         *cell = value * factor;
-        (own, values, scale) = (cells, later, factors);
+        (section, values, scale) = (cells, later, factors);
     });
     rest
 }

@@ -159,13 +159,13 @@ fn shift_in<'c, 's>(
     (newest, origin): (f32, f32),
 ) -> (&'c mut [f32], &'s [f32], f32) {
     let terms = terms as usize;
-    let (Some((own, cells)), Some((own_scale, scale))) =
+    let (Some((section, cells)), Some((section_scale, scale))) =
         (cells.split_at_mut_checked(terms), scale.split_at_checked(terms))
     else {
         return (&mut [], &[], 0.0);
     };
     let mut change = 0.0;
-    if let ([first, differences @ ..], [first_scale, scales @ ..]) = (own, own_scale) {
+    if let ([first, differences @ ..], [first_scale, scales @ ..]) = (section, section_scale) {
         *first = (newest - origin) * first_scale;
         change = (newest - *level) * first_scale;
         if let Some(scale) = scales.first() {

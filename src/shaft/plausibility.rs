@@ -107,7 +107,7 @@ pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Opt
     let spread = friction.variance / (balance.deviation * balance.deviation);
     let inertia = Fit::of(friction.inertia, n0, w0, spread);
     let inertia = if loaded || inertia == Fit::Negative { inertia } else { Fit::Unknown };
-    let torque = friction.inverse_torque_constant.map_or(Fit::Unknown, |own| Fit::of(own, n3, w3, spread));
+    let torque = friction.inverse_torque_constant.map_or(Fit::Unknown, |parameter| Fit::of(parameter, n3, w3, spread));
     CAUSES.get(inertia as usize).and_then(|row| row.get(torque as usize)).copied().flatten()
 }
 
@@ -155,9 +155,9 @@ mod tests {
 
     #[test]
     fn the_velocity_is_that_of_the_angle() {
-        let found = [None, Some(1.0), Some(0.72), Some(1.4), Some(0.5), Some(2.0), Some(-1.0), Some(f32::NAN)];
+        let ratios = [None, Some(1.0), Some(0.72), Some(1.4), Some(0.5), Some(2.0), Some(-1.0), Some(f32::NAN)];
         let scale = Some(VelocityScale);
-        assert_eq!(found.map(of_motion), [None, None, None, None, scale, scale, Some(VelocitySign), scale]);
+        assert_eq!(ratios.map(of_motion), [None, None, None, None, scale, scale, Some(VelocitySign), scale]);
     }
 
     #[test]

@@ -58,9 +58,6 @@ impl ShaftSolve {
         estimate: &mut ShaftEstimate<P>,
     ) -> bool {
         let load = plan.layout().shaft.is_some_and(|layout| layout.load.is_some());
-        let tracking = &constants.tracking;
-        let range = SlipRange { cell_turns: power_of_two(tracking.blocks.cell_turns_log2), slip: tracking.blocks.slip };
-        let of_order = |k: usize| tracking.orders.cells().get(k).zip(sums.orders.lines.cells().get(k));
         self.next = match self.next {
             Step::Balance => {
                 if let Some(reason) = short(sums, estimate) {
@@ -91,30 +88,59 @@ impl ShaftSolve {
                 if estimate.orders_reason.is_some() {
                     return true;
                 }
-                self.noise = NoiseLine::new(&sums.orders.noise, &tracking.blocks.controls);
+                self.noise = NoiseLine::new(&sums.orders.noise, &constants.tracking.blocks.controls);
                 Step::Search(0)
             }
-            Step::Search(k) => {
-                let Some((order, line)) = of_order(k) else { return true };
-                Step::Strength(k, Search::new(line, &self.noise, order, &range))
-            }
+            Step::Search(k) => match self.search(constants, sums, k) {
+                Some(search) => Step::Strength(k, search),
+                None => return true,
+            },
             Step::Strength(k, search) => {
-                let Some(((order, line), cell)) = of_order(k).zip(estimate.orders.cells_mut().get_mut(k)) else {
-                    return true;
-                };
-                let strength = search.strength(line, order, &range);
-                let sum = strength.score + strength.amplitude + strength.slip_deviation;
-                if !sum.is_finite() {
-                    estimate.orders_reason = Some(Reason::NotFinite(Part::Orders));
-                    estimate.orders.cells_mut().fill(OrderStrength::default());
+                if !take_strength(constants, sums, k, search, estimate) {
                     return true;
                 }
-                *cell = strength;
                 Step::Search(k.wrapping_add(1))
             }
         };
         false
     }
+
+    /// The search for the slip of order k; `None` behind the last one.
+    #[inline(always)]
+    fn search<P: Plan>(&self, constants: &ShaftConstants<P>, sums: &ShaftSums<P>, k: usize) -> Option<Search> {
+        let tracking = &constants.tracking;
+        let (order, line) = tracking.orders.cells().get(k).zip(sums.orders.lines.cells().get(k))?;
+        Some(Search::new(line, &self.noise, order, &slip_range(constants)))
+    }
+}
+
+/// Puts the strength of order k into the estimate; `false` if it is not finite, for which there are then no orders.
+#[inline(always)]
+fn take_strength<P: Plan>(
+    constants: &ShaftConstants<P>,
+    sums: &ShaftSums<P>,
+    k: usize,
+    search: Search,
+    estimate: &mut ShaftEstimate<P>,
+) -> bool {
+    let of_order = constants.tracking.orders.cells().get(k).zip(sums.orders.lines.cells().get(k));
+    let Some(((order, line), cell)) = of_order.zip(estimate.orders.cells_mut().get_mut(k)) else { return false };
+    let strength = search.strength(line, order, &slip_range(constants));
+    let sum = strength.score + strength.amplitude + strength.slip_deviation;
+    if !sum.is_finite() {
+        estimate.orders_reason = Some(Reason::NotFinite(Part::Orders));
+        estimate.orders.cells_mut().fill(OrderStrength::default());
+        return false;
+    }
+    *cell = strength;
+    true
+}
+
+/// The slips that are searched.
+#[inline(always)]
+fn slip_range<P: Plan>(constants: &ShaftConstants<P>) -> SlipRange {
+    let blocks = &constants.tracking.blocks;
+    SlipRange { cell_turns: power_of_two(blocks.cell_turns_log2), slip: blocks.slip }
 }
 
 /// The usable part of the segment; the reason if it is less than half.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! control  priority 2, every control period   row ─► FrontEnd ─► Sample ─► Detector::collect ─► solve
-//! solve    priority 1, once a segment         Monitor::conclude ─► adopt, verdict, alarm
+//! solve    priority 1, once a segment         Monitor::take, advance ─► adopt, alarm
 //! idle                                        the other work of the drive
 //! ```
 //!

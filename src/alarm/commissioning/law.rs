@@ -49,11 +49,11 @@ impl Size {
     pub(super) fn law(&self, trained: &Law, [before, count]: [usize; 2], limit: f32) -> Law {
         let p = count as f32;
         let taken = before as f32 + p - 1.0;
-        let own = self.freedom - taken;
+        let remaining = self.freedom - taken;
         let h = heaviness(trained, p, limit) - 1.0 / (self.trained_freedom - taken).max(1.0);
-        let degrees = (1.0 / (1.0 / own + h.clamp(0.0, HEAVIEST))).max(LEAST_DEGREES); // (4)
+        let degrees = (1.0 / (1.0 / remaining + h.clamp(0.0, HEAVIEST))).max(LEAST_DEGREES); // (4)
         let mean = |degrees: f32| degrees / (degrees - 2.0);
-        let scale = p * self.freedom * self.factor / own * mean(own.max(LEAST_DEGREES)) / mean(degrees);
+        let scale = p * self.freedom * self.factor / remaining * mean(remaining.max(LEAST_DEGREES)) / mean(degrees);
         let mut law = [[0.0; 2]; KNOTS];
         for (knot, [_, surprise]) in pairs(&mut law, trained) {
             *knot = [scale * quantile(p, degrees, *surprise), *surprise];
@@ -142,10 +142,10 @@ fn fraction(a: f32, b: f32, x: f32) -> f32 {
 #[inline(never)]
 fn ln_beta(a: f32, b: f32) -> f32 {
     // ln Γ(b) from Γ(1) = 1 or Γ(½) = √π upwards.
-    let (mut own, mut of_b) = if 2.0 * (b - libm::floorf(b)) >= 1.0 { (0.5, 0.572_364_9) } else { (1.0, 0.0) };
-    while own < b {
-        of_b += ln(own);
-        own += 1.0;
+    let (mut argument, mut of_b) = if 2.0 * (b - libm::floorf(b)) >= 1.0 { (0.5, 0.572_364_9) } else { (1.0, 0.0) };
+    while argument < b {
+        of_b += ln(argument);
+        argument += 1.0;
     }
     let (mut a, mut ratio) = (a, 0.0); // ln Γ(a + b) − ln Γ(a)
     while a < LARGE {
@@ -167,11 +167,11 @@ mod tests {
         for degrees in [3.0_f32, 7.5, 27.0, 200.0, 3000.0] {
             for x in [1e-3_f32, 0.1, 0.7, 2.0, 9.0, 60.0] {
                 let closed = -0.5 * degrees * (2.0 * x / degrees).ln_1p();
-                let found = ln_tail(2.0, degrees, x);
+                let tail = ln_tail(2.0, degrees, x);
                 // Roundings of terms of the size of ν ln ν.
                 assert!(
-                    (found - closed).abs() < 2e-5 * closed.abs().max(1.0) + 2e-7 * degrees,
-                    "{degrees} {x}: {found} {closed}"
+                    (tail - closed).abs() < 2e-5 * closed.abs().max(1.0) + 2e-7 * degrees,
+                    "{degrees} {x}: {tail} {closed}"
                 );
                 let back = quantile(2.0, degrees, -closed);
                 assert!((back / x - 1.0).abs() < 1e-3, "{degrees} {x}: {back}");
@@ -185,11 +185,11 @@ mod tests {
         for (p, degrees, expected) in
             [(1.0, 10.0, 10.04), (3.0, 10.0, 6.55), (5.0, 20.0, 4.10), (10.0, 30.0, 2.98), (8.0, 5.0, 10.29)]
         {
-            let found = quantile(p, degrees, 100.0_f32.ln());
-            assert!((found / expected - 1.0).abs() < 2e-3, "{p} {degrees}: {found}");
+            let point = quantile(p, degrees, 100.0_f32.ln());
+            assert!((point / expected - 1.0).abs() < 2e-3, "{p} {degrees}: {point}");
         }
-        let found = quantile(3.0, 1e5, 100.0_f32.ln());
-        assert!((found - 11.345 / 3.0).abs() < 2e-3, "{found}");
+        let point = quantile(3.0, 1e5, 100.0_f32.ln());
+        assert!((point - 11.345 / 3.0).abs() < 2e-3, "{point}");
     }
 
     #[test]
@@ -203,8 +203,8 @@ mod tests {
         for (count, degrees) in [(1_u8, 8.0), (3, 30.0), (6, 15.0)] {
             let (p, place) = (f32::from(count), [0, usize::from(count)]);
             let heavy = grid.map(|[_, s]| [5.0 * quantile(p, degrees, s), s]);
-            let found = heaviness(&heavy, p, limit);
-            assert!((found * degrees - 1.0).abs() < 0.02, "{p} {degrees}: {found}");
+            let heaviness_of_law = heaviness(&heavy, p, limit);
+            assert!((heaviness_of_law * degrees - 1.0).abs() < 0.02, "{p} {degrees}: {heaviness_of_law}");
             let law = known.law(&heavy, place, limit);
             assert!(law.windows(2).all(|pair| pair[0][0] < pair[1][0]), "{law:?}");
             // Of known mean and covariance the normal law remains.
@@ -222,12 +222,12 @@ mod tests {
             *knot = [0.5 * f32::from(k), 0.25 * f32::from(k)];
         }
         let size = Size { freedom: 10.0, factor: 1.1, trained_freedom: f32::INFINITY };
-        for (before, own) in [(0, 9.0_f32), (1, 8.0), (3, 6.0)] {
+        for (before, degrees) in [(0, 9.0_f32), (1, 8.0), (3, 6.0)] {
             // (1) with p = 2, and P(F(2, ν) ≥ x) = (1 + 2 x/ν)^(−ν/2).
-            let expected = |s: f32| 2.0 * 10.0 * 1.1 / own * (0.5 * own * (2.0 * s / own).exp_m1());
-            for [found, s] in size.law(&normal, [before, 2], 4.605_17).into_iter().skip(1) {
+            let expected = |s: f32| 2.0 * 10.0 * 1.1 / degrees * (0.5 * degrees * (2.0 * s / degrees).exp_m1());
+            for [squared, s] in size.law(&normal, [before, 2], 4.605_17).into_iter().skip(1) {
                 // The accuracy to which the shape of the trained law is found.
-                assert!((found / expected(s) - 1.0).abs() < 0.02, "{before}, {s}: {found} {}", expected(s));
+                assert!((squared / expected(s) - 1.0).abs() < 0.02, "{before}, {s}: {squared} {}", expected(s));
             }
         }
     }

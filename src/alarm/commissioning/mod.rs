@@ -286,9 +286,9 @@ impl<P: Plan> Commissioning<P> {
     fn move_classes(&self, trained: &Classifier<P>, made: &mut Classifier<P>) {
         let moves = pairs(self.mean.cells(), trained.novelty.mean.cells());
         let (coordinates, mut k) = (self.mean.cells().len(), 0_usize);
-        for (own, trained) in moves {
+        for (learned, trained) in moves {
             let places = made.discriminant.means.cells_mut().get_mut(k..).unwrap_or_default();
-            places.iter_mut().step_by(coordinates.max(1)).for_each(|mean| *mean += own - trained);
+            places.iter_mut().step_by(coordinates.max(1)).for_each(|mean| *mean += learned - trained);
             k = k.wrapping_add(1);
         }
     }
@@ -316,19 +316,19 @@ fn share(factor: &[f32], variances: &[f32], shares: &mut [f32]) -> Result<(), Co
         if !variance.is_finite() {
             return Err(CommissioningError::Missing { coordinate: k });
         }
-        let (mut rest, mut own) = (factor, 0.0);
+        let (mut rest, mut healthy) = (factor, 0.0);
         for row in 0..=k {
             let length = coordinates.saturating_sub(row as usize);
             let Some((cells, below)) = rest.split_at_checked(length) else { break };
             let pivot = cells.first().copied().unwrap_or(0.0);
             let r = if row == k { 1.0 } else { cells.get(k.wrapping_sub(row) as usize).copied().unwrap_or(0.0) };
-            own += pivot * r * r;
+            healthy += pivot * r * r;
             rest = below;
         }
-        if *variance > MOST_ERROR * own {
+        if *variance > MOST_ERROR * healthy {
             return Err(CommissioningError::Uncertain { coordinate: k });
         }
-        *share = own / (own + variance.max(0.0));
+        *share = healthy / (healthy + variance.max(0.0));
         k = k.wrapping_add(1);
     }
     Ok(())

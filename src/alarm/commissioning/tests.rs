@@ -26,8 +26,8 @@ fn classifier(coordinates: u8, rising: u8, variance: f32) -> Classifier<RunTime>
     let mut novelty = Novelty { class: Some(0), factor: rows(variance).collect(), ..Novelty::none(plan) };
     (novelty.knots, novelty.limit, novelty.freedom) = (law(n), LIMIT, 1e5);
     let others = n - rising as usize;
-    for (k, own) in novelty.laws.iter_mut().enumerate() {
-        *own = law(if k == 0 { others } else { 1 });
+    for (k, law_of_one) in novelty.laws.iter_mut().enumerate() {
+        *law_of_one = law(if k == 0 { others } else { 1 });
     }
     Classifier {
         features: vec![Feature::Parameter(0); n],
@@ -68,15 +68,18 @@ fn noise(seed: u64) -> impl FnMut() -> f32 {
 #[test]
 fn one_coordinate_by_hand() {
     let trained = classifier(1, 0, 1.0);
-    let mut own = started(&trained, CommissioningConstants { widest: 5.0, ..constants(3, 2.0, 3.0) });
+    let mut commissioning = started(&trained, CommissioningConstants { widest: 5.0, ..constants(3, 2.0, 3.0) });
     // m = 0 + 3/3, Ψ = 3 + 2/3·9, κ = 3; then m = 1 − 2/4, Ψ = 9 + 3/4·4, κ = 4; then nothing moves.
     for (z, mean, scatter) in [(3.0, 1.0, 9.0), (-1.0, 0.5, 12.0), (0.5, 0.5, 12.0)] {
-        own.add(&trained.novelty, &[z], &[0.0]).unwrap();
-        assert!((own.mean()[0] - mean).abs() < 1e-6 && (own.scatter[0] - scatter).abs() < 1e-5, "{own:?}");
+        commissioning.add(&trained.novelty, &[z], &[0.0]).unwrap();
+        assert!(
+            (commissioning.mean()[0] - mean).abs() < 1e-6 && (commissioning.scatter[0] - scatter).abs() < 1e-5,
+            "{commissioning:?}"
+        );
     }
-    let made = own.finish(plan(1, 0), &trained).unwrap();
+    let made = commissioning.finish(plan(1, 0), &trained).unwrap();
     // S = 12/6; every class moves by 0.5.
-    assert_eq!((own.gathered(), own.weight, own.freedom), (3, 5.0, 6.0));
+    assert_eq!((commissioning.gathered(), commissioning.weight, commissioning.freedom), (3, 5.0, 6.0));
     assert!((made.novelty.factor[0] - 2.0).abs() < 1e-6);
     assert_eq!(made.discriminant.means, [0.5, 8.5]);
     assert_eq!(made.discriminant.factors, trained.discriminant.factors);
@@ -86,11 +89,11 @@ fn one_coordinate_by_hand() {
 #[test]
 fn a_rising_coordinate_has_the_factor_of_the_mean_s_error() {
     let trained = classifier(1, 1, 1.0);
-    let mut own = started(&trained, CommissioningConstants { widest: 5.0, ..constants(3, 2.0, 3.0) });
+    let mut commissioning = started(&trained, CommissioningConstants { widest: 5.0, ..constants(3, 2.0, 3.0) });
     for z in [3.0, -1.0, 0.5] {
-        own.add(&trained.novelty, &[z], &[0.0]).unwrap();
+        commissioning.add(&trained.novelty, &[z], &[0.0]).unwrap();
     }
-    let made = own.finish(plan(1, 1), &trained).unwrap();
+    let made = commissioning.finish(plan(1, 1), &trained).unwrap();
     // ν = 6, and 1 + 1/κ = 1.2.
     assert!((made.novelty.freedom - 7.2).abs() < 1e-5, "{}", made.novelty.freedom);
 }
@@ -109,13 +112,13 @@ fn the_order_of_segments_does_not_matter_and_all_at_once_is_the_same() {
     let (kappa, nu, n) = (4.0, 6.0, N as f64);
     let mean = [0, 1, 2].map(|k| rows.iter().map(|row| f64::from(row[k])).sum::<f64>() / n);
     for reversed in [false, true] {
-        let mut own = started(&trained, constants(10, kappa as f32, nu as f32));
+        let mut commissioning = started(&trained, constants(10, kappa as f32, nu as f32));
         for k in 0..N {
-            own.add(&trained.novelty, &rows[if reversed { N - 1 - k } else { k }], &[]).unwrap();
+            commissioning.add(&trained.novelty, &rows[if reversed { N - 1 - k } else { k }], &[]).unwrap();
         }
-        let made = own.finish(plan(3, 0), &trained).unwrap().novelty;
+        let made = commissioning.finish(plan(3, 0), &trained).unwrap().novelty;
         let [d0, r01, r02, d1, r12, d2] = made.factor[..] else { panic!("six numbers") };
-        let found = |i: usize, j: usize| match (i, j) {
+        let covariance = |i: usize, j: usize| match (i, j) {
             (0, 0) => d0,
             (0, 1) => d0 * r01,
             (0, 2) => d0 * r02,
@@ -131,7 +134,11 @@ fn the_order_of_segments_does_not_matter_and_all_at_once_is_the_same() {
                 let prior = if i == j { 2.0 * nu } else { 0.0 };
                 let expected = (prior + scatter + kappa * n / (kappa + n) * mean[i] * mean[j]) / (nu + n);
                 // Some thirty roundings of numbers near one.
-                assert!((f64::from(found(i, j)) - expected).abs() < 1e-5, "{i} {j}: {} {expected}", found(i, j));
+                assert!(
+                    (f64::from(covariance(i, j)) - expected).abs() < 1e-5,
+                    "{i} {j}: {} {expected}",
+                    covariance(i, j)
+                );
             }
         }
     }
@@ -140,12 +147,12 @@ fn the_order_of_segments_does_not_matter_and_all_at_once_is_the_same() {
 /// The classifier whose healthy covariance is that of so many segments more than one.
 fn estimated(known: &Classifier<RunTime>, freedom: u32, draw: &mut impl FnMut() -> f32) -> Classifier<RunTime> {
     let mut trained = known.clone();
-    let mut own = started(known, constants(10, 0.0, 1.0));
+    let mut commissioning = started(known, constants(10, 0.0, 1.0));
     // Next to nothing beside the segments.
-    each_pivot(&mut own.scatter, known.novelty.mean.len() as u8, |pivot| *pivot = 1e-9);
+    each_pivot(&mut commissioning.scatter, known.novelty.mean.len() as u8, |pivot| *pivot = 1e-9);
     let z = |draw: &mut dyn FnMut() -> f32| (0..known.novelty.mean.len()).map(|_| draw()).collect::<Vec<f32>>();
-    (0..=freedom).for_each(|_| own.merge(&z(draw), &vec![1.0; known.novelty.mean.len()]));
-    trained.novelty.factor = own.scatter;
+    (0..=freedom).for_each(|_| commissioning.merge(&z(draw), &vec![1.0; known.novelty.mean.len()]));
+    trained.novelty.factor = commissioning.scatter;
     let coordinates = known.novelty.mean.len() as u8;
     each_pivot(&mut trained.novelty.factor, coordinates, |pivot| *pivot /= freedom as f32);
     trained
@@ -169,13 +176,13 @@ fn rate(
         let mut draw = noise(1000 + drive);
         let trained = if part.is_some() { known.clone() } else { estimated(&known, counted.into(), &mut draw) };
         let offset: Vec<f32> = (0..n).map(|_| away * draw()).collect();
-        let mut segment = || offset.iter().map(|own| own + draw()).collect::<Vec<f32>>();
+        let mut segment = || offset.iter().map(|mean| mean + draw()).collect::<Vec<f32>>();
         let limits = CommissioningConstants { farthest: 1e6, widest: 1e6, ..constants(fewest, 1.0, 1.0) };
-        let mut own = started(&trained, CommissioningConstants { mean_weight, covariance_weight, ..limits });
-        while own.gathered() < fewest {
-            own.add(&trained.novelty, &segment(), &[]).unwrap();
+        let mut commissioning = started(&trained, CommissioningConstants { mean_weight, covariance_weight, ..limits });
+        while commissioning.gathered() < fewest {
+            commissioning.add(&trained.novelty, &segment(), &[]).unwrap();
         }
-        let made = own.finish(plan, &trained).unwrap().novelty;
+        let made = commissioning.finish(plan, &trained).unwrap().novelty;
         novel += (0..JUDGED).filter(|_| made.judge(&segment(), &[]).surprise >= made.limit).count();
     }
     100.0 * novel as f32 / (DRIVES as usize * JUDGED) as f32
@@ -195,31 +202,37 @@ fn the_rate_is_the_set_one_whatever_the_number_of_segments() {
         ([4, 2], 30, 5),
         ([2, 2], 25, 3),
     ] {
-        let found = rate([coordinates, rising], (fewest, 0.0, weight), (5.0, None));
+        let percent = rate([coordinates, rising], (fewest, 0.0, weight), (5.0, None));
         std::println!(
-            "{coordinates} coordinates, {rising} rising, {fewest} segments, weight {weight}: {found:.2} % for 1 %"
+            "{coordinates} coordinates, {rising} rising, {fewest} segments, weight {weight}: {percent:.2} % for 1 %"
         );
-        assert!((0.75..1.25).contains(&found), "{found}");
+        assert!((0.75..1.25).contains(&percent), "{percent}");
     }
 }
 
 #[test]
 fn a_wide_prior_lowers_the_rate_by_its_weight_only() {
     // The trained variance is four times that of the drive, whose mean scatters with it: with weight 2 of 32.
-    let found = rate([3, 0], (30, 0.5, 2), (1.7, Some(0.25)));
-    std::println!("a prior of four times the variance: {found:.2} % for 1 %");
-    assert!((0.1..1.0).contains(&found), "{found}");
+    let percent = rate([3, 0], (30, 0.5, 2), (1.7, Some(0.25)));
+    std::println!("a prior of four times the variance: {percent:.2} % for 1 %");
+    assert!((0.1..1.0).contains(&percent), "{percent}");
 }
 
 #[test]
 fn errors_lower_the_weight_of_a_coordinate() {
     let trained = classifier(2, 0, 1.0);
-    let mut own = started(&trained, constants(3, 2.0, 3.0));
-    own.add(&trained.novelty, &[3.0, 3.0], &[0.0, 3.0]).unwrap();
+    let mut commissioning = started(&trained, constants(3, 2.0, 3.0));
+    commissioning.add(&trained.novelty, &[3.0, 3.0], &[0.0, 3.0]).unwrap();
     // The second one has the weight 1/4: m = 3/4/(2 + 1/4), and x √w = 1.5. Ψ = 3 I + 2/3 (3, 1.5)(3, 1.5)ᵀ.
-    let [d, r, below] = own.scatter[..] else { panic!("three numbers") };
-    assert!((own.mean()[0] - 1.0).abs() < 1e-6 && (own.mean()[1] - 1.0 / 3.0).abs() < 1e-6, "{own:?}");
-    assert!((d - 9.0).abs() < 1e-5 && (d * r - 3.0).abs() < 1e-5 && (d * r * r + below - 4.5).abs() < 1e-5, "{own:?}");
+    let [d, r, below] = commissioning.scatter[..] else { panic!("three numbers") };
+    assert!(
+        (commissioning.mean()[0] - 1.0).abs() < 1e-6 && (commissioning.mean()[1] - 1.0 / 3.0).abs() < 1e-6,
+        "{commissioning:?}"
+    );
+    assert!(
+        (d - 9.0).abs() < 1e-5 && (d * r - 3.0).abs() < 1e-5 && (d * r * r + below - 4.5).abs() < 1e-5,
+        "{commissioning:?}"
+    );
 }
 
 #[test]
@@ -232,61 +245,65 @@ fn the_rate_stays_with_errors_in_half_of_the_segments() {
         let offset = [0; 3].map(|_| 5.0 * draw());
         let mut segment = |k: usize| {
             let error = if k.is_multiple_of(2) { 0.0 } else { (k % 9) as f32 * 0.5 };
-            let mut z = offset.map(|own| own + draw());
+            let mut z = offset.map(|mean| mean + draw());
             z[1] += error.sqrt() * draw();
             (z, [0.0, error, 0.0])
         };
-        let mut own = started(&known, CommissioningConstants { farthest: 1e6, widest: 1e6, ..constants(30, 0.0, 3.0) });
+        let mut commissioning =
+            started(&known, CommissioningConstants { farthest: 1e6, widest: 1e6, ..constants(30, 0.0, 3.0) });
         for k in 0..30 {
             let (z, variances) = segment(k);
-            own.add(&known.novelty, &z, &variances).unwrap();
+            commissioning.add(&known.novelty, &z, &variances).unwrap();
         }
-        let made = own.finish(plan(3, 0), &known).unwrap().novelty;
+        let made = commissioning.finish(plan(3, 0), &known).unwrap().novelty;
         let judged = (0..200).map(&mut segment);
         novel += judged.filter(|(z, variances)| made.judge(z, variances).surprise >= made.limit).count();
     }
-    let found = 100.0 * novel as f32 / 30_000.0;
-    std::println!("errors in half of the segments: {found:.2} % for 1 %");
+    let percent = 100.0 * novel as f32 / 30_000.0;
+    std::println!("errors in half of the segments: {percent:.2} % for 1 %");
     // The prior is exact, which lowers the rate by its weight, 3 of 33.
-    assert!((0.6..1.25).contains(&found), "{found}");
+    assert!((0.6..1.25).contains(&percent), "{percent}");
 }
 
 #[test]
 fn segments_that_cannot_be_used_are_refused_and_change_nothing() {
     let trained = classifier(2, 0, 1.0);
-    let mut own = started(&trained, constants(10, 1.0, 4.0));
-    own.add(&trained.novelty, &[0.5, 0.5], &[0.5, 0.0]).unwrap();
-    let before = own.clone();
+    let mut commissioning = started(&trained, constants(10, 1.0, 4.0));
+    commissioning.add(&trained.novelty, &[0.5, 0.5], &[0.5, 0.0]).unwrap();
+    let before = commissioning.clone();
     for (variances, error) in [
         ([0.0, f32::INFINITY], CommissioningError::Missing { coordinate: 1 }),
         ([f32::NAN, 0.0], CommissioningError::Missing { coordinate: 0 }),
         ([0.0, 10.5], CommissioningError::Uncertain { coordinate: 1 }),
     ] {
-        assert_eq!(own.add(&trained.novelty, &[0.0, 0.0], &variances), Err(error));
-        assert_eq!(own, before);
+        assert_eq!(commissioning.add(&trained.novelty, &[0.0, 0.0], &variances), Err(error));
+        assert_eq!(commissioning, before);
     }
     assert_eq!(
-        own.add(&trained.novelty, &[6.0, 8.5], &[]),
+        commissioning.add(&trained.novelty, &[6.0, 8.5], &[]),
         Err(CommissioningError::TooFar { distance: 108.25_f32.sqrt() })
     );
     for z in [[f32::NAN, 0.0], [f32::INFINITY, 0.0], [1e30, -1e30]] {
-        assert!(matches!(own.add(&trained.novelty, &z, &[]), Err(CommissioningError::TooFar { .. })), "{z:?}");
+        assert!(
+            matches!(commissioning.add(&trained.novelty, &z, &[]), Err(CommissioningError::TooFar { .. })),
+            "{z:?}"
+        );
     }
-    assert_eq!(own, Commissioning { far: 4, ..before });
+    assert_eq!(commissioning, Commissioning { far: 4, ..before });
 }
 
 #[test]
 fn too_few_too_many_far_and_too_wide_are_refused() {
     let (trained, mut draw) = (classifier(2, 0, 1.0), noise(8));
-    let mut own = started(&trained, constants(20, 1.0, 4.0));
+    let mut commissioning = started(&trained, constants(20, 1.0, 4.0));
     for _ in 0..19 {
-        own.add(&trained.novelty, &[draw(), draw()], &[]).unwrap();
+        commissioning.add(&trained.novelty, &[draw(), draw()], &[]).unwrap();
     }
     let few = CommissioningError::TooFew { gathered: 19, needed: 20 };
-    assert_eq!(own.finish(plan(2, 0), &trained), Err(few));
-    own.add(&trained.novelty, &[draw(), draw()], &[]).unwrap();
-    assert!(own.finish(plan(2, 0), &trained).is_ok());
-    let mut strayed = own.clone();
+    assert_eq!(commissioning.finish(plan(2, 0), &trained), Err(few));
+    commissioning.add(&trained.novelty, &[draw(), draw()], &[]).unwrap();
+    assert!(commissioning.finish(plan(2, 0), &trained).is_ok());
+    let mut strayed = commissioning.clone();
     (0..3).for_each(|_| assert!(strayed.add(&trained.novelty, &[20.0, 0.0], &[]).is_err()));
     let far = CommissioningError::TooManyFar { far: 3, gathered: 20 };
     assert_eq!(strayed.finish(plan(2, 0), &trained), Err(far));

@@ -86,9 +86,9 @@ impl<P: Plan> Density<P> {
         scores
     }
 
-    /// Solves (4) for each y in turn, which `each` gets with D' and the number of coordinates after it.
+    /// Solves (4) for each y in turn, which `take` gets with D' and the number of coordinates after it.
     #[inline(always)]
-    fn solve(&self, mean: &[f32], z: &[f32], mut each: impl FnMut(f32, f32, usize)) {
+    fn solve(&self, mean: &[f32], z: &[f32], mut take: impl FnMut(f32, f32, usize)) {
         let centred = |k: usize| z.get(k).copied().unwrap_or(0.0) - mean.get(k).copied().unwrap_or(0.0);
         let mut left: Array<P::Coordinates, f32> = Cells::from_fn(z.len(), centred);
         let (mut left, mut rest) = (left.cells_mut(), self.factor.cells());
@@ -96,7 +96,7 @@ impl<P: Plan> Density<P> {
             let Some((row, below)) = rest.split_at_checked(later.len().saturating_add(1)) else { break };
             let [pivot, row @ ..] = row else { break };
             pairs(&mut *later, row).for_each(|(x, r)| *x -= *y * *r);
-            each(*y, *pivot, later.len());
+            take(*y, *pivot, later.len());
             (left, rest) = (later, below);
         }
     }

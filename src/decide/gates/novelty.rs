@@ -103,8 +103,8 @@ impl<P: Plan> Novelty<P> {
         }
         let mut judged: Array<P::Laws, f32> = Cells::filled(laws.len(), rising::MISSING);
         let scores = density.scores(self.mean.cells(), z, self.freedom, judged.cells_mut());
-        let found = self.departure(scores.squared, scores.available, z.len());
-        Departure { surprise: rising::rarest(laws, judged.cells_mut(), [scores.others, z.len()]), ..found }
+        let departure = self.departure(scores.squared, scores.available, z.len());
+        Departure { surprise: rising::rarest(laws, judged.cells_mut(), [scores.others, z.len()]), ..departure }
     }
 
     /// Whether a segment at this squared distance (1) from a class, over the available ones of all coordinates, is

@@ -44,11 +44,11 @@ impl Scores {
     pub(crate) fn add(&mut self, y: f32, pivot: f32, after: usize, freedom: f32, judged: &mut [f32]) {
         let rising = judged.get_mut(1..).unwrap_or_default();
         let is_missing = pivot >= f32::INFINITY;
-        let own = rising.len().checked_sub(after.wrapping_add(1)).and_then(|place| rising.get_mut(place));
-        let rises = own.is_some();
-        if let Some(own) = own {
+        let cell = rising.len().checked_sub(after.wrapping_add(1)).and_then(|place| rising.get_mut(place));
+        let rises = cell.is_some();
+        if let Some(cell) = cell {
             let u = y / libm::sqrtf(pivot * (1.0 + self.squared / freedom)); // (2)
-            *own = if is_missing { MISSING } else { u };
+            *cell = if is_missing { MISSING } else { u };
         }
         if is_missing {
             return;
@@ -150,9 +150,9 @@ mod tests {
         rarest(&laws, &mut judged, [scores.others, values.len()])
     }
 
-    fn near(found: f32, expected: f64) {
+    fn near(surprise: f32, expected: f64) {
         // Half of `RARE`.
-        assert!((f64::from(found) - expected).abs() < 5e-4, "{found} for {expected}");
+        assert!((f64::from(surprise) - expected).abs() < 5e-4, "{surprise} for {expected}");
     }
 
     /// A false alarm of one in a hundred, shared by the values.

@@ -42,7 +42,7 @@ pub struct Estimator<P: Plan> {
     segment: SegmentNumber,
 }
 
-/// The sums of a closed segment, separate from the estimator, and the solve under way.
+/// The sums of a closed segment, separate from the estimator.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RegressionSums<P: Plan> {
@@ -156,8 +156,8 @@ impl<P: Plan> Estimator<P> {
     /// `false`, and does nothing, if that is past, if it is the estimate of another segment, or if its model is not
     /// stable.
     pub fn adopt(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
-        let own = self.segment.follows(estimate.segment) && self.rows.awaits();
-        own && self.offer(plan, constants, estimate)
+        let in_time = self.segment.follows(estimate.segment) && self.rows.awaits();
+        in_time && self.offer(plan, constants, estimate)
     }
 
     /// Offers the estimate of the open segment, before it is closed.

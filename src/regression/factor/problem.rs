@@ -107,11 +107,11 @@ impl Problem<'_> {
     pub(super) fn square(&self, k: usize, theta: &[f32]) -> f32 {
         let row = self.parameters().wrapping_add(k);
         let elements = self.r.get(packed(self.columns(), row, row.wrapping_add(1))..).unwrap_or(&[]);
-        let Some((own, later)) = theta.get(self.inputs.wrapping_add(k)..).and_then(<[f32]>::split_first) else {
+        let Some((parameter, later)) = theta.get(self.inputs.wrapping_add(k)..).and_then(<[f32]>::split_first) else {
             return 0.0;
         };
         let target = elements.get(later.len()).copied().unwrap_or(0.0);
-        let e = minus(target - own, elements, later);
+        let e = minus(target - parameter, elements, later);
         self.d.get(row).copied().unwrap_or(0.0) * e * e
     }
 }

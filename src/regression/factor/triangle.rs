@@ -91,7 +91,7 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
     /// The part of [`Triangle::take_row`] that a pivot of this factor does; the pivots i … m−1 in turn move the row.
     #[inline(always)]
     fn take_pivot(&mut self, other: &mut Self, i: usize, pivot: usize) {
-        let ((start, length), (own, below)) = (self.place(i), self.place(pivot));
+        let ((start, length), (of_pivot, below)) = (self.place(i), self.place(pivot));
         let row = other.r.cells_mut().get_mut(start..start.wrapping_add(length)).unwrap_or_default();
         let Some(weight) = other.d.cells_mut().get_mut(i) else { return };
         // The diagonal of R is one.
@@ -102,7 +102,7 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
                 None => return,
             },
         };
-        let r = self.r.cells_mut().get_mut(own..own.wrapping_add(below)).unwrap_or_default();
+        let r = self.r.cells_mut().get_mut(of_pivot..of_pivot.wrapping_add(below)).unwrap_or_default();
         if let Some(d) = self.d.cells_mut().get_mut(pivot) {
             kernels::rotate_pivot_small(d, r, x, later, weight);
         }

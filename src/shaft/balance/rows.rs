@@ -175,14 +175,14 @@ impl BalanceSums {
         let mut k = 0_usize;
         for &term in terms {
             let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
-            let own = balance.scale_of(term);
-            let ratio = balance.deviation * own / at(&balance.prior);
+            let scale = balance.scale_of(term);
+            let ratio = balance.deviation * scale / at(&balance.prior);
             if let Some(d) = sums.d.get_mut(k) {
                 *d = balance.row_spread * ratio * ratio;
             }
             let columns = columns(load);
             if let Some(r) = sums.r.get_mut(packed(columns, k, columns.wrapping_sub(1))) {
-                *r = at(&balance.nominal) * target / own;
+                *r = at(&balance.nominal) * target / scale;
             }
             k = k.wrapping_add(1);
         }

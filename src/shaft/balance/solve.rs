@@ -340,9 +340,9 @@ mod tests {
     fn the_drag_keeps_its_priors_and_no_estimate_is_none() {
         let parameter = Parameter { value: 3.0, deviation: 0.5, score: 2.0 };
         let friction = Friction { drag: parameter, viscous: parameter, variance: 1e-6, ..Friction::default() };
-        let found = [FrictionTerm::Drag, FrictionTerm::InverseTorqueConstant, FrictionTerm::LoadFriction]
+        let values = [FrictionTerm::Drag, FrictionTerm::InverseTorqueConstant, FrictionTerm::LoadFriction]
             .map(|term| balance(8).without_prior(&friction, term));
-        assert_eq!(found, [(3.0, 0.25), (0.0, 0.0), (0.0, 0.0)]);
+        assert_eq!(values, [(3.0, 0.25), (0.0, 0.0), (0.0, 0.0)]);
     }
 
     #[test]

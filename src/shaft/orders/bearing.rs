@@ -72,13 +72,13 @@ mod tests {
     fn orders_are_those_of_a_catalogue() {
         let mut bearing = Bearing { balls: 9, ball_diameter: 7.94, pitch_diameter: 39.04, contact_angle_rad: 0.0 };
         let orders = |bearing: &Bearing| [bearing.outer(), bearing.inner(), bearing.ball(), bearing.cage()];
-        for (own, expected) in orders(&bearing).into_iter().zip([3.5848, 5.4152, 2.3567, 0.3983]) {
-            assert!((own - expected).abs() < 1e-4, "{own} {expected}");
+        for (order, expected) in orders(&bearing).into_iter().zip([3.5848, 5.4152, 2.3567, 0.3983]) {
+            assert!((order - expected).abs() < 1e-4, "{order} {expected}");
         }
         // By hand: γ = 7.94 / 39.04 · cos 0.5 = 0.178484.
         bearing.contact_angle_rad = 0.5;
-        for (own, expected) in orders(&bearing).into_iter().zip([3.6968, 5.3032, 2.3801, 0.4108]) {
-            assert!((own - expected).abs() < 1e-4, "{own} {expected}");
+        for (order, expected) in orders(&bearing).into_iter().zip([3.6968, 5.3032, 2.3801, 0.4108]) {
+            assert!((order - expected).abs() < 1e-4, "{order} {expected}");
         }
     }
 }

@@ -121,23 +121,23 @@ impl Line {
         };
         *power += x * x + y * y;
         *total += w;
-        let own = if h == 0 { w } else { 0.0 };
+        let own_weight = if h == 0 { w } else { 0.0 };
         let [square, pairs @ ..] = &mut sums.pairs;
-        *square += own * own;
+        *square += own_weight * own_weight;
         let filled = history.iter().zip(cells).zip(&self.weights).take(held);
         for ((&[hx, hy], &other), &other_weight) in filled {
             let (real, imaginary) = (x * hx + y * hy, y * hx - x * hy);
             let apart = cell.wrapping_sub(other);
             if apart == 0 {
                 *power += 2.0 * real;
-                *square += 2.0 * own * other_weight;
+                *square += 2.0 * own_weight * other_weight;
                 continue;
             }
             let d = (apart.unsigned_abs() as usize).wrapping_sub(1);
             if let (Some([rx, ry]), Some(pair)) = (lags.get_mut(d), pairs.get_mut(d)) {
                 *rx += real; // (4)
                 *ry += if apart < 0 { -imaginary } else { imaginary };
-                *pair += own * other_weight; // (5)
+                *pair += own_weight * other_weight; // (5)
             }
         }
         if let Some(cell) = history.get_mut(place) {

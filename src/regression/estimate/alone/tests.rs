@@ -78,10 +78,10 @@ fn dependent_inputs_have_no_estimate_by_any_memory() {
     ] {
         let structure = Structure::new(1, 1, 1, 1, 1);
         let plan = RunTime::of(testing::regression(structure, Method::LeastSquares, memory)).unwrap();
-        let (channels, mut own) = (channels(), Regression::new(plan));
-        (own.forgetting, own.rest) = (Forgetting { lambda, floor: 0.01 / (1.0 - lambda + 1e-9) }, 1e-4);
+        let (channels, mut regression) = (channels(), Regression::new(plan));
+        (regression.forgetting, regression.rest) = (Forgetting { lambda, floor: 0.01 / (1.0 - lambda + 1e-9) }, 1e-4);
         for c in [1.0_f32, -0.7, 3.3, 1e-2] {
-            let mut stream = Alone::new(plan, &channels, &own);
+            let mut stream = Alone::new(plan, &channels, &regression);
             let mut reasons = Vec::new();
             let (mut y, mut state) = (0.3_f32, 7_u32);
             for t in 1..=rows {

@@ -114,15 +114,15 @@ fn the_variance_with_instruments_is_that_of_all_rows() {
     let (d, r) = triangle.parts();
     let (theta, _, variance) = run(&Case { inputs: 1, outputs: 1, ..problem(d, r, 50.0) }).unwrap();
     let expected = [a, b, squares.sum::<f64>() / 48.0];
-    for (found, expected) in [theta[0], theta[1], variance].into_iter().zip(expected) {
+    for (value, expected) in [theta[0], theta[1], variance].into_iter().zip(expected) {
         // Roundings of numbers near three.
-        assert!((f64::from(found) - expected).abs() < 1e-5, "{theta:?} {variance}: {expected}");
+        assert!((f64::from(value) - expected).abs() < 1e-5, "{theta:?} {variance}: {expected}");
     }
 }
 
 #[test]
 fn instruments_are_judged_by_their_angle_and_not_by_their_size() {
-    let found = |size: f32, apart: f32| {
+    let solved = |size: f32, apart: f32| {
         let mut triangle = Triangle::<[f32; 5], [f32; 10]>::new(5);
         for k in 0..40_u8 {
             let (p, q) = (if k % 2 == 0 { 1.0 } else { -1.0 }, if k % 4 < 2 { 1.0 } else { -1.0 });
@@ -133,9 +133,9 @@ fn instruments_are_judged_by_their_angle_and_not_by_their_size() {
         run(&Case { inputs: 0, outputs: 2, ..problem(d, r, 40.0) }).map(|(theta, ..)| theta)
     };
     for size in [3e-4, 1.0, 3e3] {
-        let theta = found(size, 1.0).unwrap();
+        let theta = solved(size, 1.0).unwrap();
         // Roundings of numbers near three.
         assert!((theta[0] - 2.0).abs() < 1e-4 && (theta[1] + 1.0).abs() < 1e-4, "{size}: {theta:?}");
-        assert!(found(size, 1e-6).is_err(), "{size}: nearly the same instrument twice");
+        assert!(solved(size, 1e-6).is_err(), "{size}: nearly the same instrument twice");
     }
 }

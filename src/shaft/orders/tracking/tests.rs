@@ -168,27 +168,31 @@ fn slip_and_amplitude_have_errors_like_their_deviations() {
         for (log2, slip) in [(0, -0.015), (1, 0.006)] {
             for amplitude in [0.03, 0.12] {
                 let find = |seed| run(seed, 10_000, &tracking(0.022, log2), turns, (amplitude, slip)).0;
-                let found: Vec<OrderStrength> = (0..200).map(find).collect();
+                let strengths: Vec<OrderStrength> = (0..200).map(find).collect();
                 let of = |pick: fn(&OrderStrength) -> f32| {
-                    mean_and_deviation(&found.iter().map(|strength| f64::from(pick(strength))).collect::<Vec<_>>())
+                    mean_and_deviation(&strengths.iter().map(|strength| f64::from(pick(strength))).collect::<Vec<_>>())
                 };
                 let rms = |pick: fn(&OrderStrength) -> f32| {
-                    let squares = found.iter().map(|strength| f64::from(pick(strength)).powi(2));
-                    (squares.sum::<f64>() / found.len() as f64).sqrt()
+                    let squares = strengths.iter().map(|strength| f64::from(pick(strength)).powi(2));
+                    (squares.sum::<f64>() / strengths.len() as f64).sqrt()
                 };
-                let ((mean, error), own) = (of(|strength| strength.slip), rms(|strength| strength.slip_deviation));
-                let what =
-                    std::format!("{name}, 2^{log2} turns, amplitude {amplitude}: slip {mean} ± {error}, not {own}");
+                let ((mean, error), deviation) =
+                    (of(|strength| strength.slip), rms(|strength| strength.slip_deviation));
+                let what = std::format!(
+                    "{name}, 2^{log2} turns, amplitude {amplitude}: slip {mean} ± {error}, not {deviation}"
+                );
                 // Errors of 200 slips scatter by 5 %. (7) counts half of what cancels at constant speed, where the
                 // deviation is 1/√(1 + |A|² W̄/σ²) of it, 0.4 at the stronger line.
-                assert!((0.35..1.4).contains(&(error / own)), "{what}");
+                assert!((0.35..1.4).contains(&(error / deviation)), "{what}");
                 // Four standard errors of the mean, the vertex of a parabola, and a sixth of the slip after reversals.
                 let bias = if name == "reversing" { 0.17 } else { 0.02 } * slip;
                 assert!((mean - slip).abs() < 0.3 * error + f64::abs(bias), "{what}");
-                let ((mean, error), own) = (of(|strength| strength.amplitude), rms(|strength| strength.deviation));
-                let what = std::format!("{name}, 2^{log2} turns: amplitude {mean} ± {error}, not {amplitude} ± {own}");
+                let ((mean, error), deviation) =
+                    (of(|strength| strength.amplitude), rms(|strength| strength.deviation));
+                let what =
+                    std::format!("{name}, 2^{log2} turns: amplitude {mean} ± {error}, not {amplitude} ± {deviation}");
                 // Noise counts fully at a known slip; of the products of neighbours less remains.
-                assert!((0.5..1.3).contains(&(error / own)), "{what}");
+                assert!((0.5..1.3).contains(&(error / deviation)), "{what}");
                 // The weights of the harmonics and reversals cost up to a twelfth.
                 assert!((0.92..1.03).contains(&(mean / amplitude)), "{what}");
             }
