@@ -47,6 +47,9 @@
 // Largest number of coordinates that only rise with a defect.
 #define BW_MAX_RISING 8
 
+// Largest number of directions that the alarm watches.
+#define BW_MAX_DIRECTIONS 8
+
 // Largest number of classes.
 #define BW_MAX_CLASSES 6
 
@@ -77,7 +80,7 @@
 
 // Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 // exactly is needed.
-#define BW_STATE_SIZE 21504
+#define BW_STATE_SIZE 23552
 
 // Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
 // `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.
@@ -615,6 +618,14 @@ typedef struct BwAlarm {
   uint32_t silent_segments;
   // The most frequent reason of them.
   BwReason silent_reason;
+  // Whether the alarm names what has risen above what is usual for this drive.
+  bool risen;
+  // The coordinate that has risen; without a projection it is the feature at this place.
+  uint8_t coordinate;
+  // By how many standard deviations of runs.
+  float deviations;
+  // Number of the last segment before it rose.
+  uint32_t since;
 } BwAlarm;
 
 // One current sensor with its converter.

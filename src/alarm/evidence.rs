@@ -320,7 +320,10 @@ impl<P: Plan> Evidence<P> {
     /// The largest of the scores (4) of the runs that have ended, nats; the alarm is raised where it reaches the limit.
     #[must_use]
     pub fn score(&self) -> f32 {
-        self.defects.cells().iter().map(|score| score.sum).fold(self.novelty.sum, f32::max).max(self.runs.score())
+        if self.runs.are_used() {
+            return self.runs.score();
+        }
+        self.defects.cells().iter().map(|score| score.sum).fold(self.novelty.sum, f32::max)
     }
 
     /// What raised the alarm: the direction, by how many deviations, and since when; `None` without directions.

@@ -372,9 +372,10 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
         opaque((Decision::log_likelihoods(decision), Decision::posteriors(decision)));
         opaque((Decision::expected_costs(decision), Decision::least_cost(decision)));
         opaque((Decision::missing(decision), Decision::missing_count(decision), Decision::outside(decision)));
-        opaque(Decision::beyond(decision));
+        opaque((Decision::beyond(decision), Decision::directed(decision)));
         let mut combined = Decision::clone(decision);
         Decision::set_beyond(&mut combined, opaque(&[true, false]));
+        Decision::set_directed(&mut combined, opaque(&[FeatureValue::MISSING]));
         opaque(combined);
     }
 }

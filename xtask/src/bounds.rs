@@ -103,8 +103,9 @@ pub const BOUNDS: [Bound; 86] = [
     bytes("stack, detector with shaft of 4 orders segment end", None, 4560),
     bytes("stack, detector with shaft of 4 orders conclude", None, 2370),
     // With gates, arithmetic test, marks and silence: a verdict that nothing supports is told as none. Straight steps
-    // took 1 to 2 % more than steps of a few instructions, for a quarter fewer instructions and half of the stack.
-    bytes("flash of the whole detector, LS", Some(8), 14_060),
+    // took 1 to 2 % more than steps of a few instructions, for a quarter fewer instructions and half of the stack. The
+    // numbers of directions are constants of each model.
+    bytes("flash of the whole detector, LS", Some(8), 14_120),
     bytes("flash of the whole detector, SRIV", Some(8), 16_860),
     bytes("flash of the whole detector, LS and shaft", Some(8), 36_720),
     // What the start of a resolver's angle takes, and what it would take otherwise.

@@ -3,7 +3,7 @@
 use core::hint::black_box as opaque;
 
 use bearing_watch::alarm::SilenceLimits;
-use bearing_watch::model::BaselineConstants;
+use bearing_watch::model::{BaselineConstants, Directions};
 use bearing_watch::plan::Plan;
 use bearing_watch::{Detector, Evidence, Model, Monitor};
 
@@ -36,6 +36,14 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     opaque((Monitor::report(&monitor).is_some(), Monitor::baseline(&monitor).is_some(), Monitor::saved_len(&monitor)));
     opaque((Monitor::save(&mut monitor, &mut bytes).is_ok(), Monitor::restore(&mut monitor, &bytes).is_ok()));
     opaque(Evidence::segments(Monitor::evidence(&monitor)));
+    of_directions(model, Monitor::evidence(&monitor));
     Monitor::limit_silence(&mut monitor, SilenceLimits { segments: opaque(3), hours: opaque(1.0) });
     Monitor::reset(&mut monitor);
+}
+
+/// What an alarm by directions says.
+fn of_directions<P: Plan>(model: &Model<P>, evidence: &Evidence<P>) {
+    opaque((Evidence::main_contribution(evidence), Evidence::contribution(evidence, opaque(1))));
+    opaque((Evidence::learned_runs(evidence), Evidence::unlike_the_fleet(evidence)));
+    opaque(Directions::none(opaque(model.plan())).most_runs);
 }
