@@ -1,7 +1,7 @@
 //! Healthy runs of drives → the directions that the alarm watches.
 //!
-//! A direction is a coordinate that a defect only raises, or what [`background`] leaves of it. Its constants
-//! ([`levels`]) say what a run of a healthy drive is like, and how drives differ. By them the core judges the mean of
+//! A direction is a coordinate that a defect only raises, or what `background` leaves of it. Its constants
+//! (`levels`) say what a run of a healthy drive is like, and how drives differ. By them the core judges the mean of
 //! each run, and learns what is usual for the drive at hand.
 //!
 //! What is left of a coordinate replaces it if less varies, both from run to run (s₀²) and for a drive that is not yet
