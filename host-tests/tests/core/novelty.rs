@@ -46,7 +46,7 @@ pub(super) fn core(gate: &Gate) -> Novelty<RunTime> {
         laws: gate.rising.as_ref().map_or_else(Vec::new, |rising| rising.core(gate.limit)),
         freedom: gate.rising.as_ref().map_or(1.0, |rising| rising.freedom as f32),
         limit: gate.limit as f32,
-        directions: Directions { list: vec![], usual_segments: 1.0, margin: 0.0, most_runs: 0 },
+        directions: Directions { list: vec![], usual_segments: 1.0, margin: 1.645, most_runs: 60 },
     }
 }
 

@@ -104,7 +104,7 @@ impl<P: Plan> Directions<P> {
 
 impl<P: Plan<Directions = Fixed<0>>> Directions<P> {
     /// No direction.
-    pub const NONE: Self = Self { list: [], usual_segments: 1.0, margin: 0.0, most_runs: 0 };
+    pub const NONE: Self = Self { list: [], usual_segments: 1.0, margin: 1.645, most_runs: 60 };
 }
 
 #[cfg(test)]
