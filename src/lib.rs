@@ -47,8 +47,8 @@
 //!
 //! A [`Model`] holds trained constants (flash). A [`Detector`] is what the sampling interrupt owns, and a [`Monitor`]
 //! what the main loop owns. All take one type parameter, the plan ([`plan!`]). The crate is `no_std`, allocates nothing
-//! (but for the host's feature `alloc`), contains no `unsafe`, and uses no fused multiply-add: the same samples give the
-//! same bits on a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
+//! (but for the host's feature `alloc`), contains no `unsafe`, and uses no fused multiply-add: the same samples give
+//! the same bits on a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
 //!
 //! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (the driver `ad2s1210`),
 //! `embedded-storage` (records in flash), `telemetry` (frames for a serial line), `signature` (signed models, sealed

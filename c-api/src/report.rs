@@ -200,11 +200,11 @@ fn summary(state: &BwState) -> Outcome<BwReport> {
     use core::sync::atomic::Ordering::Relaxed;
     let (lost_samples, lost_segments) = (state.lost_samples.load(Relaxed), state.lost_segments.load(Relaxed));
     state.settled(|monitor| {
-        let own = monitor.report().ok_or(BwCode::NoReport)?;
-        let counts = own.counts;
+        let report = monitor.report().ok_or(BwCode::NoReport)?;
+        let counts = report.counts;
         let stuck = (0..MAX_CHANNELS).filter(|channel| counts.stuck.contains(*channel));
-        let decision = own.decision.as_ref();
-        let (verdict, reason) = verdict(own);
+        let decision = report.decision.as_ref();
+        let (verdict, reason) = verdict(report);
         Ok(BwReport {
             segment: monitor.evidence().segments().0,
             verdict,
@@ -215,7 +215,7 @@ fn summary(state: &BwState) -> Outcome<BwReport> {
             reason: reason.reason,
             part: reason.part,
             reason_rows: reason.rows,
-            rows: own.rows,
+            rows: report.rows,
             rejected: counts.rejected,
             saturated: counts.saturated,
             downweighted: counts.downweighted,
@@ -334,8 +334,8 @@ unsafe fn copy(state: &BwState, what: BwValues, (values, capacity): (*mut f32, u
         }
         length = length.wrapping_add(1);
     };
-    let found = state.settled(|monitor| monitor.report().map(|report| list(report, what, each)))?;
-    found.ok_or(BwCode::NoReport)?;
+    let written = state.settled(|monitor| monitor.report().map(|report| list(report, what, each)))?;
+    written.ok_or(BwCode::NoReport)?;
     // SAFETY: writable by the contract.
     unsafe { put(count, length)? };
     if length <= capacity { Ok(BwCode::Ok) } else { Err(BwCode::BufferTooSmall) }

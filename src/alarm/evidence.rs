@@ -47,8 +47,8 @@
 //! A segment beyond the gate of a defect ([`super::novelty`]) has an e-value of at most 1 for it, and adds nothing to
 //! its support: a sensor fault far from every class is no trained defect.
 //!
-//! A model with directions has [`Runs`] in the place of (1) … (4): the means of runs in each direction, relative to this
-//! drive, and an alarm that names the direction.
+//! A model with directions has [`Runs`] in the place of (1) … (4): the means of runs in each direction, relative to
+//! this drive, and an alarm that names the direction.
 //!
 //! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
 //! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
@@ -72,7 +72,7 @@ pub struct EvidenceConstants {
     pub bet: f32,
     /// (6), nats; infinite for no alarm.
     pub limit: f32,
-    /// The most that ln e of one segment can be, nats.
+    /// The most that ln e of one segment can be, or with directions that of a run, nats.
     pub cap: f32,
     /// Number of decided segments after which a run ends by itself; 1 if segments are independent.
     pub segments_a_run: u32,
@@ -264,8 +264,8 @@ impl<P: Plan> Evidence<P> {
     pub fn end_run(&mut self) -> Option<Alarm> {
         let (Some(healthy), 1..) = (self.healthy, self.run) else { return self.alarm };
         if self.runs.are_used() {
-            let largest = self.look();
-            self.runs.end(self.run, self.constants.limit, largest, self.segments);
+            let quiet = self.look() < 0.5 * self.constants.limit;
+            self.runs.end(self.run, self.constants.cap, quiet, self.segments);
             self.run = 0;
             return self.alarm;
         }
@@ -292,7 +292,7 @@ impl<P: Plan> Evidence<P> {
 
     /// Raises the alarm if a direction reaches the limit in the run as it stands; the largest score.
     fn look(&mut self) -> f32 {
-        let (largest, direction) = self.runs.largest(self.run, self.constants.limit);
+        let (largest, direction) = self.runs.largest(self.run, self.constants.cap);
         if self.alarm.is_none() && largest >= self.constants.limit {
             let cause = Cause::Coordinate(self.runs.coordinate(direction).unwrap_or(u8::MAX));
             self.alarm = Some(Alarm { segment: self.segments, cause });
@@ -344,8 +344,8 @@ impl<P: Plan> Evidence<P> {
         self.runs.learned
     }
 
-    /// The direction in which this drive, after three runs, lies more than three deviations from the drives of training:
-    /// it is another drive or has another sensor, and its alarms are in doubt.
+    /// The direction in which this drive, after three runs, lies more than three deviations from the drives of
+    /// training: it is another drive or has another sensor, and its alarms are in doubt.
     #[must_use]
     pub fn unlike_the_fleet(&self) -> Option<u8> {
         self.runs.unlike_the_fleet()

@@ -1,7 +1,7 @@
 //! Segments of runs, in the directions of defects → scores, one for each direction and bet.
 //!
-//! Enters: y of each direction, a segment at a time ([`crate::decide`]), and where a run ends. Leaves: the largest score,
-//! and what each direction contributes.
+//! Enters: y of each direction, a segment at a time ([`crate::decide`]), and where a run ends. Leaves: the largest
+//! score, and what each direction contributes.
 //!
 //! ```text
 //! segment    ω = 1/(1 + v/W),   N ← N + ω,   Y ← Y + ω y                                              (1)
@@ -17,25 +17,26 @@
 //! v is the variance of the error of y, and n the number of segments of the run. U, B and W are the variances between
 //! drives, runs of a drive, and segments of a run; n₀ is a usual n.
 //!
-//! **Why this keeps the set time.** Let the drive's offset be at most r. Then L = exp(δ s₀ (x − r)/s² − (δ s₀)²/(2 s²)) is
-//! the ratio of the densities of the run's segments with an offset that is δ s₀ larger, and r; the offset b of the run is
-//! integrated out. So L is a supermartingale in the segments, however they depend on each other through b, and so is
-//! min(L, e^cap), since the minimum is concave. With R ← (R + n) L over runs, E R ≤ the number of segments so far, also
-//! where one stops within a run; e^T ≤ R, as the floor and the lesser of n and n₀ only lower T. Hence the mean number of
-//! segments until a score reaches the limit is at least e^limit (Lorden 1971; Shin, Ramdas and Rinaldo, e-detectors,
-//! 2023), and the rates of all scores at most add up: (7). These are e-processes under a normal law with random effects;
-//! they are not conformal.
+//! **Why this keeps the set time.** Let the drive's offset be at most r. Then
+//! L = exp(δ s₀ (x − r)/s² − (δ s₀)²/(2 s²)) is the ratio of the densities of the run's segments with an offset that is
+//! δ s₀ larger, and r; the offset b of the run is integrated out. So L is a supermartingale in the segments, however
+//! they depend on each other through b, and so is min(L, e^cap), since the minimum is concave. With R ← (R + n) L over
+//! runs, E R ≤ the number of segments so far, also where one stops within a run; e^T ≤ R, as the floor and the lesser
+//! of n and n₀ only lower T. Hence the mean number of segments until a score reaches the limit is at least e^limit
+//! (Lorden 1971; Shin, Ramdas and Rinaldo, e-detectors, 2023), and the rates of all scores at most add up: (7). These
+//! are e-processes under a normal law with random effects; they are not conformal.
 //!
 //! **The reference** is the posterior of the drive's offset, by the law of the fleet on the first day and sharper with
 //! each run (8). What is not known of it is one offset for all runs: were it part of s², each run would be believed and
-//! many would not. It is moved to its upper limit once, q = 1.645 for 95 % of the drives, and is not spent again. Nothing
-//! is learned from a run while a score is above half of the limit, nor after `most_runs`: a defect is not followed.
+//! many would not. It is moved to its upper limit once, q = 1.645 for 95 % of the drives, and is not spent again.
+//! Nothing is learned from a run while a score is above half of the limit, nor after `most_runs`: a defect is not
+//! followed.
 //!
-//! (4) is the normal score of a value of skewness γ (Wilson and Hilferty 1931). cap is 0.62 (limit − ln n₀), and at most
-//! limit − ln n₀ − 2: one run, however wild, raises no alarm, and two do. A run longer than n₀ is looked at after each of
-//! its segments. Three bets instead of one mixture: a mixture within a run would cost its logarithm in every run, and small
-//! lasting changes would never add up. Not covered are offsets that last for several runs, as of weather that is no
-//! covariate; a run must be from power-up to power-up, or a day, and not a part of one.
+//! (4) is the normal score of a value of skewness γ (Wilson and Hilferty 1931). Training sets the cap to 0.62 (limit −
+//! ln n₀), and at most limit − ln n₀ − 2: one run, however wild, raises no alarm, and two do. A run longer than n₀ is
+//! looked at after each of its segments. Three bets instead of one mixture: a mixture within a run would cost its
+//! logarithm in every run, and small lasting changes would never add up. Not covered are offsets that last for several
+//! runs, as of weather that is no covariate; a run must be from power-up to power-up, or a day, and not a part of one.
 
 use crate::decide::{Direction, Directions, FeatureValue};
 use crate::logarithm::{ln, ln_of_level};
@@ -44,9 +45,6 @@ use crate::regression::factor::pairs;
 
 /// δ of (5), in standard deviations of a usual run.
 const BETS: [f32; 3] = [1.0, 2.0, 4.0];
-/// The cap of (5), as a part of limit − ln n₀, and the least margin to the limit, nats.
-const CAP: f32 = 0.62;
-const MARGIN: f32 = 2.0;
 /// A smaller skewness has no effect.
 const SKEWED: f32 = 0.05;
 /// A bet counts for the onset if its score is at least this part of the direction's largest.
@@ -106,7 +104,7 @@ pub(super) struct Scores {
 /// Words of a direction in a saved state.
 pub(super) const WORDS: usize = 11;
 
-/// A run as it stands: n, and ln of the lesser of n and n₀.
+/// What the bets of a run are judged by: ln min(n, n₀), and the cap of (5).
 #[derive(Clone, Copy)]
 struct Length {
     log: f32,
@@ -149,12 +147,12 @@ impl<P: Plan> Runs<P> {
     }
 
     /// The largest T of (6) of a run of so many segments, and its direction.
-    pub(super) fn largest(&self, segments: u32, limit: f32) -> (f32, u8) {
-        let length = self.length(segments, limit);
+    pub(super) fn largest(&self, segments: u32, cap: f32) -> (f32, u8) {
+        let length = self.length(segments, cap);
         let mut largest = (0.0, 0);
         for (place, direction) in pairs(0..u8::MAX, self.list.cells()) {
-            let own = direction.sequence(self.usual_segments, self.margin, length);
-            let top = own.into_iter().fold(0.0, f32::max);
+            let scores = direction.sequence(self.usual_segments, self.margin, length);
+            let top = scores.into_iter().fold(0.0, f32::max);
             if top > largest.0 {
                 largest = (top, place);
             }
@@ -162,17 +160,15 @@ impl<P: Plan> Runs<P> {
         largest
     }
 
-    fn length(&self, segments: u32, limit: f32) -> Length {
-        let usual = ln(self.usual_segments);
-        let log = if self.is_long(segments) { usual } else { ln_of_level(segments as f32) };
-        let room = limit - usual;
-        Length { log, cap: (CAP * room).min(room - MARGIN).max(0.0) }
+    fn length(&self, segments: u32, cap: f32) -> Length {
+        let counted = if self.is_long(segments) { self.usual_segments } else { segments as f32 };
+        Length { log: ln_of_level(counted), cap }
     }
 
-    /// Ends a run of so many segments, of which `now` is the number of the last; `largest` is its largest T.
-    pub(super) fn end(&mut self, segments: u32, limit: f32, largest: f32, now: u32) {
-        let length = self.length(segments, limit);
-        let learns = self.learned < self.most_runs && largest < 0.5 * limit;
+    /// Ends a run of so many segments, of which `now` is the number of the last. It is learned if it is `quiet`.
+    pub(super) fn end(&mut self, segments: u32, cap: f32, quiet: bool, now: u32) {
+        let length = self.length(segments, cap);
+        let learns = self.learned < self.most_runs && quiet;
         for direction in self.list.cells_mut() {
             direction.end(self.usual_segments, self.margin, length, learns, now);
         }

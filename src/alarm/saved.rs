@@ -8,11 +8,11 @@
 //!         what raised the alarm; runs learned, and of each direction the run, the drive's mean, scores and onsets
 //! ```
 //!
-//! The number of bytes depends on the plan only. Versions 1 and 2, without the last lines, are read too. Bytes of another model,
-//! by [`Model::id`], are refused: scores and offset are relative to its healthy class. So are those of a baseline with
-//! other constants, and numbers that segments of this model cannot leave: under a good checksum they come from a
-//! program that differs from this one. The bytes do not contain the open segment, which is lost at power-off, nor
-//! do they end the run: call [`Evidence::end_run`] before saving at power-down, where a run is from power-up to
+//! The number of bytes depends on the plan only. Versions 1 and 2, without the last lines, are read too. Bytes of
+//! another model, by [`Model::id`], are refused: scores and offset are relative to its healthy class. So are those of a
+//! baseline with other constants, and numbers that segments of this model cannot leave: under a good checksum they come
+//! from a program that differs from this one. The bytes do not contain the open segment, which is lost at power-off,
+//! nor do they end the run: call [`Evidence::end_run`] before saving at power-down, where a run is from power-up to
 //! power-up.
 //!
 //! Store the bytes by [`crate::storage`], or by any other means.

@@ -136,8 +136,8 @@ impl<P: Plan> Classification<P> {
         if available { Ok(()) } else { Err(reason.unwrap_or(Reason::NotFinite(Part::Classifier))) }
     }
 
-    /// Log-likelihoods, posteriors and class, and whether the segment is beyond the gate of each class. The classes of a
-    /// linear discriminant share the factor.
+    /// Log-likelihoods, posteriors and class, and whether the segment is beyond the gate of each class. The classes of
+    /// a linear discriminant share the factor.
     #[inline(never)]
     fn compare(&self, plan: P, classifier: &Classifier<P>, decision: &mut Decision<P>) -> Result<(), Reason> {
         let (kind, discriminant) = (plan.layout().discriminant, &classifier.discriminant);

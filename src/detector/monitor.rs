@@ -155,8 +155,8 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         self.conclusion()
     }
 
-    /// Closes the open segment at the end of a recording, and concludes it; the detector starts afresh. A part of no more
-    /// than half a segment has no verdict.
+    /// Closes the open segment at the end of a recording, and concludes it; the detector starts afresh. A part of no
+    /// more than half a segment has no verdict.
     pub fn finish(&mut self, detector: &mut Detector<'_, P>) -> Conclusion<'_, P> {
         // The model knows the spread of whole segments only.
         let short = detector.pending() <= self.model.constants().sampling.segment_samples / 2;
@@ -206,7 +206,8 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         Some(self.conclusion())
     }
 
-    /// Does what [`Monitor::advance`] has left to do; returns the conclusion, and `None` where there is nothing to solve.
+    /// Does what [`Monitor::advance`] has left to do; returns the conclusion, and `None` where there is nothing to
+    /// solve.
     pub fn complete(&mut self) -> Option<Conclusion<'_, P>> {
         self.is_solving().then(|| {
             self.solve_rest();

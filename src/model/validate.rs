@@ -332,6 +332,8 @@ const fn check_directions(parts: &Parts<'_>) -> Result<(), ModelError> {
     require!(layout.directions == 0 || parts.healthy.is_some(), Direction);
     let RunParts { usual_segments, margin, .. } = parts.runs;
     require!(layout.directions == 0 || (usual_segments >= 1.0 && usual_segments <= 1e6), Direction);
+    // A run at the cap must not reach the limit.
+    require!(layout.directions == 0 || parts.evidence.cap < parts.evidence.limit, Evidence);
     require!(layout.directions == 0 || (margin >= 0.0 && margin <= 10.0), Direction);
     let mut directions = parts.directions;
     while let [direction, rest @ ..] = directions {

@@ -176,8 +176,8 @@ impl<const CHANNELS: usize> Signals for Values<CHANNELS> {
     }
 }
 
-/// Defines a [`Plan`](crate::plan::Plan) of all models up to some [`Bounds`], whose layout a model brings. A larger model
-/// is refused.
+/// Defines a [`Plan`](crate::plan::Plan) of all models up to some [`Bounds`], whose layout a model brings. A larger
+/// model is refused.
 ///
 /// ```
 /// use bearing_watch::plan::{Bounds, Layout, Plan};

@@ -6,6 +6,8 @@ use std::vec;
 use std::vec::Vec;
 
 const LIMIT: f32 = 9.0;
+/// 0.62 (9 − ln 4).
+const CAP: f32 = 4.7205;
 const RUN: u32 = 4;
 
 fn plan(directions: u8) -> RunTime {
@@ -18,7 +20,7 @@ const DIRECTION: Direction = Direction { between: 1.0, run: 0.25, segment: 1.0, 
 
 fn evidence_of(list: Vec<Direction>, margin: f32, segments_a_run: u32) -> Evidence<RunTime> {
     let plan = plan(u8::try_from(list.len()).unwrap());
-    let constants = EvidenceConstants { limit: LIMIT, segments_a_run, ..EvidenceConstants::NONE };
+    let constants = EvidenceConstants { limit: LIMIT, cap: CAP, segments_a_run, ..EvidenceConstants::NONE };
     let directions = Directions { list, usual_segments: RUN as f32, margin, most_runs: 60 };
     Evidence::new(plan, constants, &directions, Some(0))
 }
@@ -168,8 +170,8 @@ fn a_change_is_found_sooner_the_larger_it_is() {
         delays.sort_unstable();
         delays.get(50).copied().unwrap_or(u32::MAX)
     };
-    let found = [8.0, 4.0, 2.0].map(&mut median);
-    assert!(found[0] == 2 && (2..=3).contains(&found[1]) && (3..=8).contains(&found[2]), "{found:?}");
+    let delays = [8.0, 4.0, 2.0].map(&mut median);
+    assert!(delays[0] == 2 && (2..=3).contains(&delays[1]) && (3..=8).contains(&delays[2]), "{delays:?}");
 }
 
 #[test]

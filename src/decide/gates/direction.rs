@@ -115,8 +115,8 @@ mod tests {
     fn the_background_is_subtracted_and_its_error_added() {
         let mut direction = Direction { coordinate: 2, centre: 0.5, ..Direction::UNIT };
         direction.background[0] = Background { coordinate: 0, weight: 0.25 };
-        let found = direction.value(&[4.0, 100.0, 3.0], &[2.0, f32::INFINITY, 0.125]);
-        assert_eq!(found, FeatureValue { value: 3.0 - 1.0 - 0.5, variance: 0.125 + 2.0 / 16.0 });
+        let value = direction.value(&[4.0, 100.0, 3.0], &[2.0, f32::INFINITY, 0.125]);
+        assert_eq!(value, FeatureValue { value: 3.0 - 1.0 - 0.5, variance: 0.125 + 2.0 / 16.0 });
     }
 
     #[test]

@@ -87,7 +87,8 @@ impl<P: Plan> Estimator<P> {
         }
     }
 
-    /// Starts afresh, in place; segments are counted on, so that no earlier estimate passes for one of the next segment.
+    /// Starts afresh, in place; segments are counted on, so that no earlier estimate passes for one of the next
+    /// segment.
     #[inline(always)]
     pub fn restart(&mut self, plan: P, constants: &Regression<P>) {
         self.rows = Rows::new(plan, constants);

@@ -8,9 +8,9 @@
 //! R v = e(k):   cov θ(i, j) = Σₖ σ² s(i) v(i) s(j) v(j) / d(k)                                        (3)
 //! ```
 //!
-//! e is the residual of a row of the factor, s the scale that converts a parameter to its unit. [`Solution::new`] solves
-//! (2), about n²/2 multiply-adds; each call of [`Solution::add_column`] adds a column v of (3), at most n² of them. A
-//! solve is needed once in seconds, so the code is loops over slices, shared by every size.
+//! e is the residual of a row of the factor, s the scale that converts a parameter to its unit. [`Solution::new`]
+//! solves (2), about n²/2 multiply-adds; each call of [`Solution::add_column`] adds a column v of (3), at most n² of
+//! them. A solve is needed once in seconds, so the code is loops over slices, shared by every size.
 
 mod instruments;
 

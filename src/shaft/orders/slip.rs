@@ -269,8 +269,8 @@ impl Power {
         }
     }
 
-    /// The largest of P at [`SIDE`] slips on each side of zero, of a range of so many turns ψ. Of equal values, as those
-    /// of an order that does not slip, that nearest to slip zero is the largest.
+    /// The largest of P at [`SIDE`] slips on each side of zero, of a range of so many turns ψ. Of equal values, as
+    /// those of an order that does not slip, that nearest to slip zero is the largest.
     #[inline(never)]
     fn peak(&self, turns: f32) -> Peak {
         let mut peak = Peak { value: f32::NEG_INFINITY, at: 0, around: [f32::NEG_INFINITY; 2] };

@@ -78,8 +78,8 @@ pub fn equal(traces: &[Vec<&[f64]>]) -> Vec<[usize; 2]> {
     found
 }
 
-/// Whether the rms of the differences of two columns is a small part of the deviation. Rows in which one has no value do
-/// not count.
+/// Whether the rms of the differences of two columns is a small part of the deviation. Rows in which one has no value
+/// do not count.
 fn is_same(one: &[f64], other: &[f64], deviation: f64) -> bool {
     let limit = (SAME * deviation).powi(2) * one.len() as f64;
     let mut sum = 0.0;

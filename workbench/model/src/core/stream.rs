@@ -40,9 +40,9 @@ impl Embedded {
         Stream::new(self, Monitor::new(self.model()).following_if(None))
     }
 
-    /// As [`Embedded::stream`], with a baseline that follows slow changes from trace to trace, with this time constant in
-    /// segments and this bound in healthy standard deviations. `None` if one of them is out of range, or the model has
-    /// no healthy class.
+    /// As [`Embedded::stream`], with a baseline that follows slow changes from trace to trace, with this time constant
+    /// in segments and this bound in healthy standard deviations. `None` if one of them is out of range, or the model
+    /// has no healthy class.
     #[must_use]
     pub fn stream_following(&self, segments: f32, bound: f32) -> Option<Stream<'_>> {
         let monitor = Monitor::new(self.model()).following(BaselineConstants::new(segments, bound));

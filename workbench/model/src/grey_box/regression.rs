@@ -75,10 +75,9 @@ fn independent(scaled: &DMatrix<f64>) -> Result<(), usize> {
     (0..r.ncols()).find(|&k| r[(k, k)].abs() < DEPENDENT).map_or(Ok(()), Err)
 }
 
-/// (2), from scores g(t) of `n` parameters in `rows` rows, which `score` writes. Bartlett's weights are those of sums of
-/// L + 1 consecutive scores:
-/// Σ_|l|≤L (1 − |l|/(L+1)) Σ_t g(t) g(t−l)ᵀ = 1/(L+1) Σ_t s(t) s(t)ᵀ, s(t) = g(t) + … + g(t−L), with zeros before the
-/// first and after the last score. One pass, however long the lags.
+/// (2), from scores g(t) of `n` parameters in `rows` rows, which `score` writes. Bartlett's weights are those of sums
+/// of L + 1 consecutive scores: Σ_|l|≤L (1 − |l|/(L+1)) Σ_t g(t) g(t−l)ᵀ = 1/(L+1) Σ_t s(t) s(t)ᵀ, s(t) = g(t) + … +
+/// g(t−L), with zeros before the first and after the last score. One pass, however long the lags.
 pub(crate) fn covariance(
     (n, rows): (usize, usize),
     score: impl Fn(usize, &mut DVector<f64>),
@@ -139,7 +138,8 @@ mod tests {
             expected *= 9.0 / 7.0;
             let score = |t: usize, g: &mut DVector<f64>| *g = influence.column(t) * residuals[t];
             let covariance = covariance((2, 9), score, lags as usize);
-            assert!((&covariance - &expected).norm() < 1e-13 * expected.norm(), "{lags}: {covariance} {expected}"); // rounding
+            let error = (&covariance - &expected).norm();
+            assert!(error < 1e-13 * expected.norm(), "{lags}: {covariance} {expected}"); // rounding
         }
     }
 

@@ -243,12 +243,15 @@ pub fn covariates_to_json(trained: &Trained) -> Value {
 fn directions_to_json(trained: &Trained) -> Value {
     let Some(found) = &trained.watch.directions else { return Value::Null };
     let names = &trained.coordinate_names;
-    let each = |own: &Direction| {
-        let Levels { centre, between, run, record, skewness, freedom } = own.levels;
+    let form = |direction: &Direction| {
+        let Levels { centre, between, run, record, skewness, freedom } = direction.levels;
         json!({
-            "name": own.words(names),
-            "coordinate": names[own.coordinate],
-            "background": own.background.iter().map(|(k, weight)| json!({ "coordinate": names[*k], "weight": weight }))
+            "name": direction.words(names),
+            "coordinate": names[direction.coordinate],
+            "background": direction
+                .background
+                .iter()
+                .map(|(k, weight)| json!({ "coordinate": names[*k], "weight": weight }))
                 .collect::<Vec<_>>(),
             "mean": centre,
             "variance_between_drives": between,
@@ -259,7 +262,7 @@ fn directions_to_json(trained: &Trained) -> Value {
         })
     };
     json!({
-        "list": found.list.iter().map(each).collect::<Vec<_>>(),
+        "list": found.list.iter().map(form).collect::<Vec<_>>(),
         "drives": found.drives,
         "runs": found.runs,
         "segments_a_run": found.usual,

@@ -29,7 +29,7 @@ impl Trained {
         let covariates = count(self.core_covariates.list.len(), "covariates")?;
         let rises = self.watch.gate.as_ref().and_then(|gate| gate.rising.as_ref());
         let rising = count(rises.map_or(0, |rising| rising.laws.len()), "rising coordinates")?;
-        let watched = self.watch.directions.as_ref().map_or(0, |own| own.list.len());
+        let watched = self.watch.directions.as_ref().map_or(0, |directions| directions.list.len());
         let directions = count(watched, "directions")?;
         let layout = Layout { covariates, rising, directions, ..self.parts.layout(sizes, densities.kind) };
         let plan = plan(layout).map_err(refused)?;

@@ -82,8 +82,8 @@ impl Recipe {
         }
     }
 
-    /// Returns the runs of the rows if the false-alarm rate is that of the next run; for another drive these are the
-    /// drives, where they are told.
+    /// Returns the run of each row if the false-alarm rate is that of the next run. If it is that of another drive, and
+    /// the labels name the drives, returns the drive of each row.
     pub(super) fn runs<'a>(&self, candidates: &'a Candidates) -> Option<Cow<'a, [usize]>> {
         let counts = self.alarms.by_run && !self.validation.groups.is_empty();
         let drives = counts && self.alarms.other_drive && !self.validation.units.is_empty();

@@ -104,8 +104,8 @@ pub fn all(count: u32) -> Vec<Experiment> {
     all
 }
 
-/// The experiments of these conditions, all if none is named. The name of an experiment starts with its condition, up to
-/// a colon or a comma.
+/// The experiments of these conditions, all if none is named. The name of an experiment starts with its condition, up
+/// to a colon or a comma.
 ///
 /// # Errors
 /// [`Error::Usage`] if no experiment has one of the names.

@@ -65,8 +65,8 @@ impl Rows {
             return Some((DVector::zeros(0), y.norm_squared()));
         }
         let x = self.values.select_columns(columns);
-        let scale = DVector::from_iterator(columns.len(), x.column_iter().map(|own| own.norm()));
-        if scale.iter().any(|own| *own <= 0.0 || !own.is_finite()) {
+        let scale = DVector::from_iterator(columns.len(), x.column_iter().map(|column| column.norm()));
+        if scale.iter().any(|norm| *norm <= 0.0 || !norm.is_finite()) {
             return None;
         }
         let x = DMatrix::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / scale[j]);
@@ -81,18 +81,18 @@ impl Rows {
 fn deviations(places: &[usize], sample: &dyn Fn(usize) -> Sample) -> Option<Rows> {
     let mut all: Vec<Vec<Vec<f64>>> = vec![];
     for &place in places {
-        let own = sample(place);
-        let within = levels::record(&own)?;
+        let sample = sample(place);
+        let within = levels::record(&sample)?;
         let mean = |run: &Vec<[f64; 2]>| match levels::weighted(run, within) {
             (mean, weight) if weight >= LEAST_WEIGHT => mean,
             _ => f64::NAN,
         };
-        all.push(own.iter().map(|runs| runs.iter().map(mean).collect()).collect());
+        all.push(sample.iter().map(|runs| runs.iter().map(mean).collect()).collect());
     }
     let mut rows: Vec<Vec<f64>> = vec![];
     let mut drives = 0;
     for drive in 0..all[0].len() {
-        let row = |run: usize| -> Vec<f64> { all.iter().map(|own| own[drive][run]).collect() };
+        let row = |run: usize| -> Vec<f64> { all.iter().map(|means| means[drive][run]).collect() };
         let of_drive = (0..all[0][drive].len()).map(row);
         let of_drive: Vec<Vec<f64>> = of_drive.filter(|row| row.iter().all(|x| x.is_finite())).collect();
         let count = of_drive.len() as f64;

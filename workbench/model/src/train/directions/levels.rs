@@ -75,14 +75,14 @@ impl Levels {
         }
         let of_drives: Vec<f64> = drives.iter().map(|runs| mean(runs.iter().map(|[x, _]| *x))).collect();
         let deviations = || drives.iter().zip(&of_drives).map(|(runs, mean)| runs.iter().map(move |[x, _]| x - mean));
-        let spread = deviations().flatten().map(|own| own * own).sum::<f64>() / freedom; // C
+        let spread = deviations().flatten().map(|deviation| deviation * deviation).sum::<f64>() / freedom; // C
         let inverse = mean(drives.iter().copied().flatten().map(|[_, weight]| 1.0 / weight));
         let larger = larger(freedom, NOISE)?;
         let run = (spread - record * inverse).max(LEAST_PART * spread) * larger; // (4)
         let centre = mean(of_drives.iter().copied());
         let of_mean = spread * mean(drives.iter().map(|runs| 1.0 / runs.len() as f64)); // C/m
         let between = if drives.len() > 1 {
-            let variance = of_drives.iter().map(|own| (own - centre).powi(2)).sum::<f64>() / (count - 1.0);
+            let variance = of_drives.iter().map(|mean| (mean - centre).powi(2)).sum::<f64>() / (count - 1.0);
             let widest = variance * (1.0 + 1.0 / count) * self::larger(count - 1.0, BETWEEN)?;
             (widest - of_mean).max(0.5 * of_mean) // (5)
         } else {
@@ -92,12 +92,12 @@ impl Levels {
             .iter()
             .zip(deviations())
             .filter(|(runs, _)| runs.len() > 2)
-            .map(|(runs, own)| (runs.len() as f64, own.map(|x| x.powi(3)).sum()))
+            .map(|(runs, deviations)| (runs.len() as f64, deviations.map(|x| x.powi(3)).sum()))
             .collect();
         let skewness = skewness(&enough, spread);
-        let own = Self { centre, between, run, record: record * larger, skewness, freedom };
-        let regular = [own.between, own.run, own.record].iter().all(|x| x.is_finite() && *x > 0.0);
-        (regular && own.centre.is_finite()).then_some(own)
+        let levels = Self { centre, between, run, record: record * larger, skewness, freedom };
+        let regular = [levels.between, levels.run, levels.record].iter().all(|x| x.is_finite() && *x > 0.0);
+        (regular && levels.centre.is_finite()).then_some(levels)
     }
 }
 
@@ -150,8 +150,8 @@ fn skewness(drives: &[(f64, f64)], spread: f64) -> f64 {
         return UNKNOWN_SKEWNESS;
     }
     let third: f64 = drives.iter().map(|(m, cubes)| m / (m - 1.0) * cubes).sum();
-    let found = third / drives.iter().map(|(m, _)| m - 2.0).sum::<f64>() / spread.powf(1.5);
-    (found + 0.5 * (6.0 / runs).sqrt()).clamp(SKEWNESS[0], SKEWNESS[1])
+    let skewness = third / drives.iter().map(|(m, _)| m - 2.0).sum::<f64>() / spread.powf(1.5);
+    (skewness + 0.5 * (6.0 / runs).sqrt()).clamp(SKEWNESS[0], SKEWNESS[1])
 }
 
 /// ν/χ²_p(ν): the factor to the upper limit of a variance with ν degrees of freedom.

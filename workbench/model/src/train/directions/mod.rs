@@ -192,7 +192,7 @@ pub(crate) fn of(set: &Set<'_>, recipe: &Recipe) -> DirectionsOrReason {
     if rows.longest() < 2 {
         return refused("runs have one record each");
     }
-    let mut found = Directions {
+    let mut directions = Directions {
         list: vec![],
         drives: rows.places.len(),
         runs: rows.places.iter().map(Vec::len).sum(),
@@ -206,30 +206,30 @@ pub(crate) fn of(set: &Set<'_>, recipe: &Recipe) -> DirectionsOrReason {
         if twins.contains(&quantity(name)) {
             continue;
         }
-        let Some((first, second)) = rows.directions(coordinate).filter(|_| found.list.len() < MOST) else {
-            found.left_out.push(coordinate);
+        let Some((first, second)) = rows.directions(coordinate).filter(|_| directions.list.len() < MOST) else {
+            directions.left_out.push(coordinate);
             continue;
         };
         twins.push(quantity(name));
-        found.list.push(first);
+        directions.list.push(first);
         sharper.extend(second);
     }
-    sharper.truncate(MOST - found.list.len());
-    found.list.extend(sharper);
-    found.list.sort_by_key(|own| own.coordinate);
-    if found.list.is_empty() {
-        let freedom = found.runs - found.drives;
+    sharper.truncate(MOST - directions.list.len());
+    directions.list.extend(sharper);
+    directions.list.sort_by_key(|direction| direction.coordinate);
+    if directions.list.is_empty() {
+        let freedom = directions.runs - directions.drives;
         return refused(&format!(
             "{} runs of {} drives with {freedom} degrees of freedom say too little, {FEWEST} are needed",
-            found.runs, found.drives
+            directions.runs, directions.drives
         ));
     }
-    Ok(found)
+    Ok(directions)
 }
 
 /// Whether a defect only raises the coordinate of this name.
 fn rises(name: &str, recipe: &Recipe) -> bool {
-    is_order(name) || RISING.contains(&quantity(name)) || recipe.rising.iter().any(|own| own == name)
+    is_order(name) || RISING.contains(&quantity(name)) || recipe.rising.iter().any(|rising| rising == name)
 }
 
 fn is_order(name: &str) -> bool {
@@ -290,8 +290,9 @@ impl<'a> Rows<'a> {
         let plain = Direction { coordinate, background: vec![], levels: Levels::of(&all, 0)? };
         let Some(rest) = self.rest(coordinate, &all) else { return Some((plain, None)) };
         let usual = self.usual();
-        let [of_run, of_rest] = [&plain, &rest].map(|own| own.levels.usual(usual));
-        let [of_drive, of_other] = [&plain, &rest].map(|own| own.levels.between + own.levels.usual(usual));
+        let [of_run, of_rest] = [&plain, &rest].map(|direction| direction.levels.usual(usual));
+        let [of_drive, of_other] =
+            [&plain, &rest].map(|direction| direction.levels.between + direction.levels.usual(usual));
         if of_rest < of_run && of_other < of_drive {
             return Some((rest, None));
         }
@@ -309,10 +310,10 @@ impl<'a> Rows<'a> {
         };
         let offered: Vec<usize> = (0..names.len()).filter(offered).collect();
         let background = background::of(coordinate, &offered, &|k| self.sample(k, &[]));
-        let own = self.sample(coordinate, &background);
+        let sample = self.sample(coordinate, &background);
         let count = |sample: &Sample| sample.iter().flatten().map(Vec::len).sum::<usize>() as f64;
-        let enough = !background.is_empty() && count(&own) >= LEAST_PART * count(all);
-        let levels = Levels::of(&own, background.len()).filter(|_| enough)?;
+        let enough = !background.is_empty() && count(&sample) >= LEAST_PART * count(all);
+        let levels = Levels::of(&sample, background.len()).filter(|_| enough)?;
         Some(Direction { coordinate, background, levels })
     }
 }

@@ -12,7 +12,7 @@ fn name(coordinate: &str) -> String {
         "viscous" => "viscous friction".into(),
         "coulomb" => "Coulomb friction".into(),
         "inverse_kt" => "torque constant".into(),
-        own => own.replace('_', " "),
+        other => other.replace('_', " "),
     }
 }
 
@@ -20,7 +20,7 @@ impl Direction {
     /// What it watches, by the names of the coordinates.
     #[must_use]
     pub fn words(&self, names: &[String]) -> String {
-        let of = |k: usize| names.get(k).map_or_else(|| format!("z{}", k + 1), |own| name(own));
+        let of = |k: usize| names.get(k).map_or_else(|| format!("z{}", k + 1), |coordinate| name(coordinate));
         let background: Vec<String> = self.background.iter().map(|(k, _)| of(*k)).collect();
         match background.as_slice() {
             [] => of(self.coordinate),
@@ -37,24 +37,25 @@ impl Directions {
     #[must_use]
     pub fn words(&self, names: &[String]) -> String {
         let Self { list, drives, runs, usual, .. } = self;
-        let each: Vec<String> = list.iter().map(|own| own.words(names)).collect();
+        let words: Vec<String> = list.iter().map(|direction| direction.words(names)).collect();
         let directions = if list.len() == 1 { "direction" } else { "directions" };
         let of = match drives {
             1 => format!("{runs} runs of one drive × {usual} records; of other drives it knows nothing"),
             _ if runs % drives == 0 => format!("{drives} drives × {} runs × {usual} records", runs / drives),
             _ => format!("{runs} runs of {drives} drives × {usual} records"),
         };
-        format!("{} {directions} ({}), {of}", list.len(), each.join("; "))
+        format!("{} {directions} ({}), {of}", list.len(), words.join("; "))
     }
 
     /// Which features the alarm does not watch although a defect raises them.
     #[must_use]
     pub fn unwatched(&self, names: &[String]) -> Option<String> {
-        let each: Vec<&str> = self.left_out.iter().map(|&k| names[k].as_str()).collect();
-        (!each.is_empty()).then(|| {
+        let features: Vec<&str> = self.left_out.iter().map(|&k| names[k].as_str()).collect();
+        (!features.is_empty()).then(|| {
             format!(
-                "the alarm does not watch {}: it has at most {MOST} directions, and {FEWEST} degrees of freedom of each",
-                each.join(", ")
+                "the alarm does not watch {}: it has at most {MOST} directions, and {FEWEST} degrees of freedom of \
+                 each",
+                features.join(", ")
             )
         })
     }

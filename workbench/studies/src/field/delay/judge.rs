@@ -45,18 +45,18 @@ pub(super) fn healthy(
     (run_h, seed): (f64, u64),
 ) -> FalseAlarms {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut found = FalseAlarms::default();
+    let mut false_alarms = FalseAlarms::default();
     let (mut watch, mut age) = (start.clone(), 0);
     for _ in 0..total {
         let alarm = one_run(&mut watch, &runs[random.random_range(0..runs.len())]).is_some();
         age += 1;
-        found.hours += run_h;
-        found.alarms += usize::from(alarm);
+        false_alarms.hours += run_h;
+        false_alarms.alarms += usize::from(alarm);
         if alarm || age == length {
             (watch, age) = (start.clone(), 0);
         }
     }
-    found
+    false_alarms
 }
 
 /// Draws histories whose bearing is defective from the first run on.
@@ -65,18 +65,18 @@ pub(super) fn defective(start: &Watch<'_>, runs: &Runs, histories: u32, seed: u6
     let mut one = |_| {
         let mut watch = start.clone();
         let mut next = || one_run(&mut watch, &runs[random.random_range(0..runs.len())]);
-        let found = (1..=LONGEST).find_map(|run| next().map(|direction| (run, direction)));
-        Outcome { run: found.map(|own| own.0), direction: found.map(|own| own.1) }
+        let alarm = (1..=LONGEST).find_map(|run| next().map(|direction| (run, direction)));
+        Outcome { run: alarm.map(|alarm| alarm.0), direction: alarm.map(|alarm| alarm.1) }
     };
     (0..histories).map(&mut one).collect()
 }
 
 /// Observes a run and ends it; gives the direction that raised an alarm.
 pub(super) fn one_run(watch: &mut Watch<'_>, run: &[Record]) -> Option<usize> {
-    let mut found = None;
+    let mut raised = None;
     for record in run {
-        found = found.or(watch.observe(record));
+        raised = raised.or(watch.observe(record));
     }
     watch.end_run();
-    found
+    raised
 }

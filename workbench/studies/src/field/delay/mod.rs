@@ -145,9 +145,9 @@ pub fn draw(condition: Condition, draw: u32, settings: &Settings) -> Result<Draw
     let directions = bench.trained.watch.directions.as_ref();
     Ok(Draw {
         condition: condition.name,
-        directions: directions.map(|own| own.words(names)).unwrap_or_default(),
+        directions: directions.map(|directions| directions.words(names)).unwrap_or_default(),
         orders: directions
-            .map(|own| own.list.iter().map(|one| names[one.coordinate].starts_with("order_")).collect())
+            .map(|directions| directions.list.iter().map(|one| names[one.coordinate].starts_with("order_")).collect())
             .unwrap_or_default(),
         drives,
     })
@@ -159,19 +159,19 @@ fn places(units: std::ops::Range<u32>, sessions: std::ops::Range<u32>, records: 
 }
 
 fn recipe_of(condition: Condition, places: &[Place], settings: &Settings) -> Recipe {
-    let mut own = recipe(&condition, &FEATURES.map(String::from));
+    let mut training = recipe(&condition, &FEATURES.map(String::from));
     let orders = BearingGeometry::THESIS.orders();
     let named = [("outer", orders.outer), ("inner", orders.inner), ("ball", orders.ball)];
-    let slip = own.shaft.as_ref().map_or(0.0, |shaft| shaft.slip);
-    own.shaft = Some(ShaftPlan {
+    let slip = training.shaft.as_ref().map_or(0.0, |shaft| shaft.slip);
+    training.shaft = Some(ShaftPlan {
         slip,
         ..ShaftPlan::new(named.into_iter().map(|(name, order)| (name.to_string(), order)).collect())
     });
-    own.validation.units = places.iter().map(|[unit, ..]| format!("drive {unit}")).collect();
-    own.validation.groups = places.iter().map(|[unit, session, _]| format!("drive {unit}/{session}")).collect();
-    own.alarms =
-        Alarms { by_run: true, other_drive: true, interval: AlarmInterval::Hours(settings.hours), ..own.alarms };
-    own
+    training.validation.units = places.iter().map(|[unit, ..]| format!("drive {unit}")).collect();
+    training.validation.groups = places.iter().map(|[unit, session, _]| format!("drive {unit}/{session}")).collect();
+    training.alarms =
+        Alarms { by_run: true, other_drive: true, interval: AlarmInterval::Hours(settings.hours), ..training.alarms };
+    training
 }
 
 /// The trained model, and what its runs say.
@@ -191,7 +191,7 @@ impl<'a> Bench<'a> {
             let why = trained.watch.warning.clone().unwrap_or_default();
             return Err(Error::Training(format!("training chose no directions: {why}")));
         };
-        let mut raised: Vec<usize> = directions.list.iter().map(|own| own.coordinate).collect();
+        let mut raised: Vec<usize> = directions.list.iter().map(|direction| direction.coordinate).collect();
         raised.dedup();
         let covariance = covariance(&trained, &raised);
         let singular = || Error::Training("the covariance of the runs is singular".into());
@@ -205,21 +205,21 @@ impl<'a> Bench<'a> {
             |defect, sessions: std::ops::Range<u32>| self.runs(cell(Purpose::Validation, defect), unit, sessions);
         let known = KNOWN as u32;
         let all = runs(Defect::HEALTHY, 0..known + self.settings.healthy)?;
-        let found: Vec<Vec<Vec<Observed>>> = defects()
+        let observed: Vec<Vec<Vec<Observed>>> = defects()
             .into_iter()
             .map(|defect| runs(defect, DEFECTIVE..DEFECTIVE + self.settings.defective))
             .collect::<Result<_, _>>()?;
         let usual = self.mean(&all);
-        let bounds = found.iter().map(|own| self.bound(&(self.mean(own) - &usual))).collect();
-        let values = |own: &[Vec<Observed>]| -> Runs {
-            own.iter().map(|run| run.iter().map(|(record, _)| record.clone()).collect()).collect()
+        let bounds = observed.iter().map(|runs| self.bound(&(self.mean(runs) - &usual))).collect();
+        let values = |runs: &[Vec<Observed>]| -> Runs {
+            runs.iter().map(|run| run.iter().map(|(record, _)| record.clone()).collect()).collect()
         };
-        let (own, later) = all.split_at(KNOWN);
-        let (own, later) = (values(own), values(later));
-        let defective_runs: Vec<Runs> = found.iter().map(|own| values(own)).collect();
+        let (known, later) = all.split_at(KNOWN);
+        let (known, later) = (values(known), values(later));
+        let defective_runs: Vec<Runs> = observed.iter().map(|runs| values(runs)).collect();
         let new = Watch::new(&self.trained.watch).ok_or_else(|| Error::Training("no directions".into()))?;
         let mut learned = new.clone();
-        own.iter().for_each(|run| {
+        known.iter().for_each(|run| {
             one_run(&mut learned, run);
         });
         let run_h = f64::from(self.settings.records) * self.segment_s() / 3600.0;
@@ -244,8 +244,8 @@ impl<'a> Bench<'a> {
         let count = self.settings.records;
         let places = places(unit..unit + 1, sessions, count);
         let one = |place: &Place| {
-            let own = record(cell, *place)?;
-            Ok(self.model.run(&own.trace).iter().map(|segment| self.observed(segment)).collect::<Vec<_>>())
+            let recorded = record(cell, *place)?;
+            Ok(self.model.run(&recorded.trace).iter().map(|segment| self.observed(segment)).collect::<Vec<_>>())
         };
         let records: Vec<Vec<Observed>> = places.par_iter().map(one).collect::<Result<_, Error>>()?;
         Ok(records.chunks(count as usize).map(|run| run.concat()).filter(|run| !run.is_empty()).collect())
@@ -254,19 +254,19 @@ impl<'a> Bench<'a> {
     fn observed(&self, segment: &SegmentReport) -> Observed {
         let Trained { feature_names, projection, raw, .. } = &self.trained;
         let names = self.trained.recipe.catalogue().shaft();
-        let place = |name: &String| names.iter().position(|(own, _)| own == name);
+        let place = |name: &String| names.iter().position(|(feature, _)| feature == name);
         let of = |name: &String| place(name).and_then(|k| segment.shaft_features.get(k));
-        let value = |name: &String| of(name).map_or(0.0, |own| f64::from(own.value));
+        let value = |name: &String| of(name).map_or(0.0, |feature| f64::from(feature.value));
         let variance = |(name, usual): (&String, &f64)| {
-            let own = of(name).map_or(f64::INFINITY, |own| f64::from(own.variance));
-            if segment.verdict.is_ok() { (own - usual).max(0.0) } else { f64::INFINITY }
+            let variance = of(name).map_or(f64::INFINITY, |feature| f64::from(feature.variance));
+            if segment.verdict.is_ok() { (variance - usual).max(0.0) } else { f64::INFINITY }
         };
         let features = feature_names.len();
         let values = DVector::from_iterator(features, feature_names.iter().map(value));
         let variances = DVector::from_iterator(features, feature_names.iter().zip(raw.usual.iter()).map(variance));
         let (z, v) = projection.apply_with(&values, &variances);
-        let directions = self.trained.watch.directions.iter().flat_map(|own| &own.list);
-        let record = directions.map(|own| own.value(&z, &v)).collect();
+        let directions = self.trained.watch.directions.iter().flat_map(|directions| &directions.list);
+        let record = directions.map(|direction| direction.value(&z, &v)).collect();
         (record, self.raised.iter().map(|&k| v[k].is_finite().then_some(z[k])).collect())
     }
 
@@ -303,17 +303,17 @@ fn covariance(trained: &Trained, raised: &[usize]) -> DMatrix<f64> {
     order.dedup();
     let of_run = |run: usize| {
         let rows = || (0..runs.len()).filter(move |&row| runs[row] == run);
-        let each =
+        let value_of =
             |k: &usize| mean(rows().filter(|&row| table.variances[row][*k].is_finite()).map(|row| table.rows[row][*k]));
-        let values: Option<Vec<f64>> = raised.iter().map(each).collect();
+        let values: Option<Vec<f64>> = raised.iter().map(value_of).collect();
         values.map(|values| (units[run].as_str(), DVector::from_vec(values)))
     };
     let means: Vec<(&str, DVector<f64>)> = order.into_iter().filter_map(of_run).collect();
     let mut sum = DMatrix::zeros(raised.len(), raised.len());
     let mut freedom = 0.0;
     for of_drive in means.chunk_by(|a, b| a.0 == b.0) {
-        let centre = of_drive.iter().map(|own| &own.1).sum::<DVector<f64>>() / of_drive.len() as f64;
-        sum += of_drive.iter().map(|own| (&own.1 - &centre) * (&own.1 - &centre).transpose()).sum::<DMatrix<f64>>();
+        let centre = of_drive.iter().map(|row| &row.1).sum::<DVector<f64>>() / of_drive.len() as f64;
+        sum += of_drive.iter().map(|row| (&row.1 - &centre) * (&row.1 - &centre).transpose()).sum::<DMatrix<f64>>();
         freedom += of_drive.len() as f64 - 1.0;
     }
     sum / freedom.max(1.0)

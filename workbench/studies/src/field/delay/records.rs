@@ -25,11 +25,11 @@ pub(super) type Place = [u32; 3];
 
 /// The record at a place; all records of a cell have seeds of their own.
 pub(super) fn record(cell: Cell, place: Place) -> Result<LabelledTrace, Error> {
-    let [unit, session, own] = place;
-    if session >= SESSIONS || own >= RECORDS {
+    let [unit, session, record] = place;
+    if session >= SESSIONS || record >= RECORDS {
         return Err(Error::Usage(format!("at most {SESSIONS} sessions of {RECORDS} records")));
     }
-    let number = (unit * SESSIONS + session) * RECORDS + own;
+    let number = (unit * SESSIONS + session) * RECORDS + record;
     let seed = cell.seed(number)?;
     let drive = Drive { set: set_of(cell.purpose, cell.repetition), unit, session };
     let trace = simulate(&scenario(cell, seed, drive), seed).map_err(Error::other)?;
@@ -37,9 +37,9 @@ pub(super) fn record(cell: Cell, place: Place) -> Result<LabelledTrace, Error> {
 }
 
 fn scenario(cell: Cell, seed: u64, drive: Drive) -> Scenario {
-    let mut own = cell.scenario(&Scenario::WITH_RESOLVER, seed);
-    own.drive = Some(drive);
-    let Some(wide) = own.field.temperature else { return own };
+    let mut scenario = cell.scenario(&Scenario::WITH_RESOLVER, seed);
+    scenario.drive = Some(drive);
+    let Some(wide) = scenario.field.temperature else { return scenario };
     let key = u64::from(drive.set) << 40 | u64::from(drive.unit) << 20 | u64::from(drive.session);
     let mut random = ChaCha8Rng::seed_from_u64(key);
     let [state, coulomb, a, b]: [f64; 4] = std::array::from_fn(|_| random.random_range(0.0..1.0));
@@ -47,10 +47,10 @@ fn scenario(cell: Cell, seed: u64, drive: Drive) -> Scenario {
     // The deviation of a sum of two uniform numbers is 1/√6.
     let scatter = 6.0_f64.sqrt() * wide.viscous_scatter * (a + b - 1.0);
     let viscous = wide.viscous_cold.ln() + state * (wide.viscous_hot / wide.viscous_cold).ln() + scatter;
-    own.motor.r_ohm *= 1.0 + wide.resistance_rise * state;
-    own.motor.kt_nm_per_a *= flux;
-    own.motor.ke_v_s_per_rad *= flux;
-    own.motor.b_nm_s_per_rad *= viscous.exp();
+    scenario.motor.r_ohm *= 1.0 + wide.resistance_rise * state;
+    scenario.motor.kt_nm_per_a *= flux;
+    scenario.motor.ke_v_s_per_rad *= flux;
+    scenario.motor.b_nm_s_per_rad *= viscous.exp();
     let near = Temperature {
         resistance_rise: WITHIN * wide.resistance_rise,
         flux_loss: WITHIN * wide.flux_loss,
@@ -60,5 +60,5 @@ fn scenario(cell: Cell, seed: u64, drive: Drive) -> Scenario {
         coulomb_nm: wide.coulomb_nm * coulomb,
         ..wide
     };
-    Scenario { field: Field { temperature: Some(near), ..own.field }, ..own }
+    Scenario { field: Field { temperature: Some(near), ..scenario.field }, ..scenario }
 }

@@ -24,12 +24,12 @@ pub(super) struct Hours {
     pub(super) pooled: [f64; 3],
 }
 
-pub(super) fn hours(found: &[FalseAlarms], set: f64) -> Hours {
-    let mut means: Vec<f64> = found.iter().map(FalseAlarms::mean).collect();
+pub(super) fn hours(drives: &[FalseAlarms], set: f64) -> Hours {
+    let mut means: Vec<f64> = drives.iter().map(FalseAlarms::mean).collect();
     means.sort_by(f64::total_cmp);
-    let below = means.iter().filter(|own| **own < set).count();
-    let alarms = found.iter().map(|own| own.alarms).sum::<usize>() as f64;
-    let total: f64 = found.iter().map(|own| own.hours).sum();
+    let below = means.iter().filter(|mean| **mean < set).count();
+    let alarms = drives.iter().map(|drive| drive.alarms).sum::<usize>() as f64;
+    let total: f64 = drives.iter().map(|drive| drive.hours).sum();
     let quantile = |freedom: f64, p: f64| ChiSquared::new(freedom).map_or(f64::NAN, |law| law.inverse_cdf(p));
     let low = 2.0 * total / quantile(2.0 * alarms + 2.0, 0.975);
     let high = if alarms > 0.0 { 2.0 * total / quantile(2.0 * alarms, 0.025) } else { f64::INFINITY };
@@ -53,16 +53,16 @@ pub(super) struct Delay {
 }
 
 pub(super) fn delay(outcomes: &[Outcome], right: impl Fn(usize) -> bool) -> Delay {
-    let mut runs: Vec<u32> = outcomes.iter().map(|own| own.run.unwrap_or(u32::MAX)).collect();
+    let mut runs: Vec<u32> = outcomes.iter().map(|outcome| outcome.run.unwrap_or(u32::MAX)).collect();
     runs.sort_unstable();
     let at = |part: f64| runs.get((part * runs.len() as f64) as usize).copied().filter(|run| *run <= LONGEST);
     let part = |count: usize, of: usize| count as f64 / of.max(1) as f64;
-    let alarms = outcomes.iter().filter_map(|own| own.direction);
+    let alarms = outcomes.iter().filter_map(|outcome| outcome.direction);
     Delay {
         median: at(0.5),
         most: at(0.9),
         soon: part(runs.iter().filter(|run| **run <= SOON).count(), runs.len()),
-        right: part(alarms.clone().filter(|own| right(*own)).count(), alarms.count()),
+        right: part(alarms.clone().filter(|direction| right(*direction)).count(), alarms.count()),
     }
 }
 
@@ -72,14 +72,14 @@ fn delay_of(draws: &[&Draw], (state, place): (usize, usize), defect: Defect) -> 
     let is_order = defect.kind == DefectKind::Spall;
     let mut all: Vec<Outcome> = vec![];
     for draw in draws {
-        let of_drive = |own: &Judgement| own.judged[state].defective[place].clone();
-        let own = draw.drives.iter().flat_map(of_drive);
-        all.extend(own.map(|own| Outcome {
-            direction: own.direction.map(|k| usize::from(draw.orders.get(k) == Some(&is_order))),
-            ..own
+        let of_drive = |drive: &Judgement| drive.judged[state].defective[place].clone();
+        let outcomes = draw.drives.iter().flat_map(of_drive);
+        all.extend(outcomes.map(|outcome| Outcome {
+            direction: outcome.direction.map(|k| usize::from(draw.orders.get(k) == Some(&is_order))),
+            ..outcome
         }));
     }
-    delay(&all, |own| own == 1)
+    delay(&all, |direction| direction == 1)
 }
 
 fn name(defect: Defect) -> String {
@@ -95,25 +95,26 @@ fn runs(run: Option<u32>) -> String {
 
 /// Median of the bounds of all drives, and the largest.
 fn bounds(draws: &[&Draw], place: usize) -> [f64; 2] {
-    let mut all: Vec<f64> = draws.iter().flat_map(|own| &own.drives).map(|own| own.bounds[place]).collect();
+    let mut all: Vec<f64> = draws.iter().flat_map(|draw| &draw.drives).map(|drive| drive.bounds[place]).collect();
     all.sort_by(f64::total_cmp);
     [all[all.len() / 2], all[all.len() - 1]]
 }
 
 /// Draws by condition.
 fn by_condition(all: &[Draw]) -> Vec<(&'static str, Vec<&Draw>)> {
-    let mut found: Vec<(&'static str, Vec<&Draw>)> = vec![];
-    for own in all {
-        match found.iter_mut().find(|(name, _)| *name == own.condition) {
-            Some((_, draws)) => draws.push(own),
-            None => found.push((own.condition, vec![own])),
+    let mut conditions: Vec<(&'static str, Vec<&Draw>)> = vec![];
+    for draw in all {
+        match conditions.iter_mut().find(|(name, _)| *name == draw.condition) {
+            Some((_, draws)) => draws.push(draw),
+            None => conditions.push((draw.condition, vec![draw])),
         }
     }
-    found
+    conditions
 }
 
 fn hours_of(draws: &[&Draw], state: usize, set: f64) -> Hours {
-    let all: Vec<FalseAlarms> = draws.iter().flat_map(|own| &own.drives).map(|own| own.judged[state].healthy).collect();
+    let all: Vec<FalseAlarms> =
+        draws.iter().flat_map(|draw| &draw.drives).map(|drive| drive.judged[state].healthy).collect();
     hours(&all, set)
 }
 
@@ -143,10 +144,13 @@ fn of_condition(condition: &str, draws: &[&Draw], settings: &Settings) -> String
     );
     let row = |(place, defect): (usize, Defect)| {
         let cell = |state: usize| {
-            let own = delay_of(draws, (state, place), defect);
-            let right =
-                if own.median.is_some() || own.soon > 0.0 { format!("{:.0}", 100.0 * own.right) } else { "–".into() };
-            format!("{} / {} ({:.0} | {right})", runs(own.median), runs(own.most), 100.0 * own.soon)
+            let delay = delay_of(draws, (state, place), defect);
+            let right = if delay.median.is_some() || delay.soon > 0.0 {
+                format!("{:.0}", 100.0 * delay.right)
+            } else {
+                "–".into()
+            };
+            format!("{} / {} ({:.0} | {right})", runs(delay.median), runs(delay.most), 100.0 * delay.soon)
         };
         let [median, worst] = bounds(draws, place);
         vec![name(defect), cell(0), cell(1), format!("{median:.1} ({worst:.1})")]
@@ -154,8 +158,8 @@ fn of_condition(condition: &str, draws: &[&Draw], settings: &Settings) -> String
     let rows: Vec<Vec<String>> = defects().into_iter().enumerate().map(row).collect();
     let head = ["", &states[0], &states[1], "bound (worst drive)"];
     text += &grid(&title, &head, &rows);
-    for own in draws {
-        text += &format!("{condition} watches {}\n", own.directions);
+    for draw in draws {
+        text += &format!("{condition} watches {}\n", draw.directions);
     }
     text
 }
@@ -165,7 +169,7 @@ fn of_condition(condition: &str, draws: &[&Draw], settings: &Settings) -> String
 pub fn to_json(all: &[Draw], settings: &Settings) -> Value {
     let of_state = |draws: &[&Draw], state: usize| {
         let Hours { below, median, worst, pooled } = hours_of(draws, state, settings.hours);
-        let each = |(place, defect): (usize, Defect)| {
+        let form = |(place, defect): (usize, Defect)| {
             let Delay { median, most, soon, right } = delay_of(draws, (state, place), defect);
             json!({
                 "kind": defect.kind.name(), "size": defect.severity, "median": median, "most": most, "soon": soon,
@@ -179,11 +183,11 @@ pub fn to_json(all: &[Draw], settings: &Settings) -> Value {
             "median_h": median,
             "worst_h": worst,
             "mean_h": { "value": pooled[0], "low": pooled[1], "high": pooled[2].is_finite().then_some(pooled[2]) },
-            "defects": defects().into_iter().enumerate().map(each).collect::<Vec<_>>(),
+            "defects": defects().into_iter().enumerate().map(form).collect::<Vec<_>>(),
         })
     };
     let row = |(condition, draws): &(&str, Vec<&Draw>)| {
-        let words: Vec<&String> = draws.iter().map(|own| &own.directions).collect();
+        let words: Vec<&String> = draws.iter().map(|draw| &draw.directions).collect();
         json!({ "condition": condition, "set_h": settings.hours, "directions": words,
                 "states": [of_state(draws, 0), of_state(draws, 1)] })
     };

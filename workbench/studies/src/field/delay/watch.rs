@@ -51,10 +51,17 @@ impl<'a> Watch<'a> {
     /// Of a drive that is not yet known; `None` if training chose no directions.
     pub(super) fn new(constants: &'a Constants) -> Option<Self> {
         let directions = constants.directions.as_ref()?;
-        let state = |own: &Direction| {
-            let precision = 1.0 / own.levels.between;
+        let state = |direction: &Direction| {
+            let precision = 1.0 / direction.levels.between;
             let none = [0.0; BETS.len()];
-            State { weight: 0.0, sum: 0.0, precision, weighted: own.levels.centre * precision, kept: none, now: none }
+            State {
+                weight: 0.0,
+                sum: 0.0,
+                precision,
+                weighted: direction.levels.centre * precision,
+                kept: none,
+                now: none,
+            }
         };
         Some(Self {
             constants: directions,
@@ -73,15 +80,15 @@ impl<'a> Watch<'a> {
         let usual = self.constants.usual;
         let floor = self.run.min(usual).ln();
         let mut highest = (f64::NEG_INFINITY, 0);
-        for (place, (state, (own, value))) in
+        for (place, (state, (direction, value))) in
             self.states.iter_mut().zip(self.constants.list.iter().zip(record)).enumerate()
         {
             if let Some([y, v]) = value {
-                let weight = 1.0 / (1.0 + v / own.levels.record);
+                let weight = 1.0 / (1.0 + v / direction.levels.record);
                 (state.weight, state.sum) = (state.weight + weight, state.sum + weight * y);
             }
-            let found = state.ratios(own, usual);
-            for (k, ratio) in found.into_iter().enumerate() {
+            let ratios = state.ratios(direction, usual);
+            for (k, ratio) in ratios.into_iter().enumerate() {
                 state.now[k] = state.kept[k].max(floor) + ratio.min(self.cap);
                 if state.now[k] > highest.0 {
                     highest = (state.now[k], place);
@@ -95,9 +102,9 @@ impl<'a> Watch<'a> {
     pub(super) fn end_run(&mut self) {
         let highest = self.states.iter().flat_map(|state| state.now).fold(0.0, f64::max);
         let learns = self.learned < MOST_RUNS && highest - self.scores < 0.5 * (self.limit - self.scores);
-        for (state, own) in self.states.iter_mut().zip(&self.constants.list) {
+        for (state, direction) in self.states.iter_mut().zip(&self.constants.list) {
             if learns && state.weight > LEAST_WEIGHT {
-                let variance = own.levels.run + own.levels.record / state.weight;
+                let variance = direction.levels.run + direction.levels.record / state.weight;
                 state.precision += 1.0 / variance;
                 state.weighted += state.sum / state.weight / variance;
             }
@@ -110,11 +117,11 @@ impl<'a> Watch<'a> {
 
 impl State {
     /// (3) of each bet without the cap.
-    fn ratios(&self, own: &Direction, usual: f64) -> [f64; BETS.len()] {
+    fn ratios(&self, direction: &Direction, usual: f64) -> [f64; BETS.len()] {
         if self.weight <= LEAST_WEIGHT {
             return [0.0; BETS.len()];
         }
-        let levels = &own.levels;
+        let levels = &direction.levels;
         let variance = levels.run + levels.record / self.weight;
         let reference = self.weighted / self.precision + MARGIN / self.precision.sqrt();
         let z = normal_score((self.sum / self.weight - reference) / variance.sqrt(), levels.skewness);
