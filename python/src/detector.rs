@@ -189,7 +189,7 @@ impl Detector {
         result.set_item("surprise", column(&|(own, _)| own.surprise))?;
         result.set_item("score", column(&|(_, watched)| watched.score))?;
         result.set_item("alarm", PyArray1::from_iter(py, judged.iter().map(|(_, own)| own.alarm.is_some())))?;
-        let cause = |(_, own): &Judged| own.cause(model, file.orders()).unwrap_or_default();
+        let cause = |(_, own): &Judged| model.cause(own, file.orders()).unwrap_or_default();
         result.set_item("cause", judged.iter().map(cause).collect::<Vec<_>>())?;
         let trend = |(_, own): &Judged| own.trend.map_or_else(Vec::new, |own| vec![own.slope, own.low, own.high]);
         result.set_item("trend", wide(3, &trend)?)?;

@@ -13,13 +13,14 @@
 mod commissioning;
 mod following;
 mod monitor;
+mod segment;
 mod sequence;
 mod solver;
 mod verdict;
 
 pub use following::{Following, Surroundings};
 pub use monitor::{Conclusion, Monitor};
-pub use solver::Segment;
+pub use segment::Segment;
 #[cfg(any(test, feature = "internals"))]
 pub use solver::{Solver, conclude};
 

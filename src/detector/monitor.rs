@@ -14,8 +14,9 @@
 
 use super::Detector;
 use super::following::{Following, Surroundings};
+use super::segment::Segment;
 use super::sequence::Sequence;
-use super::solver::{Segment, Solve};
+use super::solver::Solve;
 use super::verdict;
 use crate::alarm::baseline::BaselineConstants;
 use crate::alarm::evidence::{Alarm, Evidence};

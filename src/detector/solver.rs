@@ -1,37 +1,16 @@
 //! A closed segment → its [`Report`], at once or in steps.
 
-use super::sequence::Sequence;
+use super::segment::Segment;
 use super::verdict;
 use crate::decide::{Classification, Decision};
 use crate::known_answers::arithmetic_test;
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
-use crate::reason::{Kernel, Reason};
-use crate::regression::estimate::{RegressionSolve, RegressionSums};
+use crate::reason::Reason;
+use crate::regression::estimate::RegressionSolve;
 use crate::report::{Report, Verdict};
-use crate::shaft::{ShaftSolve, ShaftSums};
-use crate::signal::Counts;
-use crate::signal::average::{self, Averages};
-
-/// The sums of a closed segment, separate from the detector.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Segment<P: Plan> {
-    pub(super) regression: Array<P::Regressed, RegressionSums<P>>,
-    pub(super) shaft: Array<P::Watched, ShaftSums<P>>,
-    pub(super) averages: Averages<P>,
-    pub(super) counts: Counts,
-    /// Rows of the regression, or usable samples in a plan without one.
-    pub(super) rows: u32,
-    /// Whether it is a whole segment, of which half must be usable.
-    pub(super) whole: bool,
-    /// What the processor did not compute as the host does when the segment closed.
-    pub(super) failed: Option<Kernel>,
-    /// The mark of the model.
-    pub(super) model: u32,
-    /// Its place among the segments of the detector.
-    pub(super) sequence: Sequence,
-}
+use crate::shaft::ShaftSolve;
+use crate::signal::average;
 
 impl<P: Plan> Segment<P> {
     /// The report, in the place of the caller's: a copy would take stack. The sums are overwritten.
@@ -46,11 +25,6 @@ impl<P: Plan> Segment<P> {
         let mut report = Report::empty(model.plan());
         self.solve(model, &mut report);
         report
-    }
-
-    /// Parts with a stuck channel have no result.
-    fn stuck(&self, mask: u16) -> Option<Reason> {
-        self.counts.stuck.first_of(mask).map(|channel| Reason::Stuck { channel })
     }
 }
 

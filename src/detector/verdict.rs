@@ -1,6 +1,6 @@
 //! The verdict of a solved segment.
 
-use super::solver::Segment;
+use super::segment::Segment;
 use crate::alarm::Baseline;
 use crate::decide::Decision;
 use crate::model::Model;

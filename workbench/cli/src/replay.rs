@@ -87,7 +87,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
                     + &if gated { far(segment, watched) } else { "".into() }
                     + &offset(segment),
             )?;
-            if let (Some(alarm), Some(cause), false) = (watched.alarm, watched.cause(&model, &notes.orders), raised) {
+            if let (Some(alarm), Some(cause), false) = (watched.alarm, model.cause(watched, &notes.orders), raised) {
                 raised = true;
                 output::say(format!("ALARM at segment {}: {cause}{}", alarm.segment, watched.rise()))?;
             }
@@ -277,7 +277,7 @@ fn value(
         "score": watched.score,
         "alarm": watched.alarm.map(|alarm| json!({
             "segment": alarm.segment,
-            "cause": watched.cause(model, orders),
+            "cause": model.cause(watched, orders),
             "deviations": watched.main.map(|main| main.deviations),
             "since": watched.main.map(|main| main.since + 1),
         })),

@@ -106,7 +106,7 @@ impl Clock {
     /// The first alarm.
     fn alarm(&self, model: &Embedded, orders: &[String], replayed: &[Replayed]) -> Option<Event> {
         self.spans(replayed).find_map(|(span, one, k)| {
-            let cause = one.watched.get(k)?.cause(model, orders)?;
+            let cause = model.cause(one.watched.get(k)?, orders)?;
             Some(Event { at: span.1, name: format!("ALARM: {cause}") })
         })
     }

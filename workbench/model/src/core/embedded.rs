@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{EvidenceConstants, Feature, Sampling, ShaftConstants};
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{Detector, Model, ModelError, Reason, Report, Verdict};
+use bearing_watch::{Cause, Detector, Model, ModelError, Reason, Report, Verdict};
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
@@ -193,6 +193,16 @@ impl Embedded {
     #[must_use]
     pub const fn evidence_constants(&self) -> EvidenceConstants {
         self.model.constants().evidence
+    }
+
+    /// The class or feature that the alarm names; `unknown` if it names none. `orders` are the names of the orders.
+    #[must_use]
+    pub fn cause(&self, watched: &Watched, orders: &[String]) -> Option<String> {
+        watched.alarm.map(|alarm| match alarm.cause {
+            Cause::Class(class) => self.classes.get(usize::from(class)).cloned().unwrap_or_default(),
+            Cause::Unknown => "unknown".into(),
+            Cause::Coordinate(place) => self.feature_name(orders, place),
+        })
     }
 
     /// State of the core's evidence after each of these segments; they may come from several traces of one drive, in

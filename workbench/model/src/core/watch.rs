@@ -2,9 +2,8 @@
 
 use bearing_watch::alarm::{Contribution, Silence, Trend};
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Alarm, Cause, Decision, Evidence, Model};
+use bearing_watch::{Alarm, Decision, Evidence, Model};
 
-use super::embedded::Embedded;
 use super::segment::SegmentReport;
 
 /// State of the evidence after a segment.
@@ -27,16 +26,6 @@ impl Watched {
         let (score, alarm) = (evidence.score(), evidence.alarm());
         let (main, trend, silence) = (evidence.main_contribution(), evidence.trend(), evidence.silence());
         Self { score, alarm, main, trend, silence }
-    }
-
-    /// The class or feature that the alarm names; `unknown` if it names none. `orders` are the names of the orders.
-    #[must_use]
-    pub fn cause(&self, model: &Embedded, orders: &[String]) -> Option<String> {
-        self.alarm.map(|alarm| match alarm.cause {
-            Cause::Class(class) => model.classes.get(usize::from(class)).cloned().unwrap_or_default(),
-            Cause::Unknown => "unknown".into(),
-            Cause::Coordinate(place) => model.feature_name(orders, place),
-        })
     }
 
     /// By how much and since when what raised the alarm has risen; empty without directions.

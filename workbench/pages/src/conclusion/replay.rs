@@ -105,7 +105,7 @@ impl<'a> Conclusion<'a> {
             self.rising = None;
         }
         self.score = self.score.max(watched.score);
-        if let Some(cause) = watched.cause(self.model, self.orders) {
+        if let Some(cause) = self.model.cause(watched, self.orders) {
             let since = self.rising.clone().unwrap_or_else(|| at.to_owned());
             self.alarm = Some(Raised { cause: cause + &watched.rise(), at: at.to_owned(), since });
         }
