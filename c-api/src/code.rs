@@ -19,7 +19,7 @@ pub enum BwCode {
     Report = 2,
     /// The estimate was not adopted: it came too late, has no use in this model, or is not stable. Not an error.
     NotAdopted = 3,
-    /// There is no closed segment to solve.
+    /// There is no closed segment to solve, or no alarm to deny.
     Idle = 4,
     /// A clean sample came out of the front end.
     CleanSample = 5,

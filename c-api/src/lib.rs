@@ -60,7 +60,7 @@ pub use about::{
     BwInfo, BwPark, bw_check_channel, bw_check_interval, bw_check_park, bw_info, bw_known_answer_test, bw_label,
     bw_version,
 };
-pub use alarm::{BwAlarm, bw_alarm, bw_end_run, bw_limit_silence, bw_reset};
+pub use alarm::{BwAlarm, bw_alarm, bw_deny, bw_end_run, bw_limit_silence, bw_reset};
 pub use calibration::{
     BW_CALIBRATION_SIZE, BwCalibration, BwCalibrationLimits, BwRefusedOffset, bw_calibration_finish,
     bw_calibration_init, bw_calibration_push,

@@ -62,6 +62,7 @@ fn all(state: *mut BwState) -> Vec<BwCode> {
         bw_values(state, 0, values.as_mut_ptr(), values.len(), &raw mut count),
         bw_alarm(state, alarm.as_mut_ptr()),
         bw_end_run(state),
+        bw_deny(state),
         bw_saved_size(state, &raw mut count),
         bw_save(state, bytes.as_mut_ptr(), bytes.len()),
         bw_restore(state, bytes.as_ptr(), bytes.len()),
@@ -255,6 +256,7 @@ fn calls_out_of_order_are_harmless() {
         assert_eq!(bw_adopt(state), BwCode::NotAdopted, "least squares has no use for it");
         let report = report.assume_init();
         assert_eq!((report.segment, report.lost_segments, report.lost_samples), (2, 1, 0));
+        assert_eq!(bw_deny(state), BwCode::Idle, "no alarm stands");
         assert_eq!(bw_reset(state), BwCode::Ok);
         assert_eq!(bw_report(state, null_mut()), BwCode::NoReport);
         assert_eq!(bw_alarm(state, alarm.as_mut_ptr()), BwCode::Ok);

@@ -240,6 +240,25 @@ class Detector:
         """End a trace whose samples came by :meth:`step`, and return the verdict on its last segment."""
         return self._verdicts(self._core.finish())
 
+    def end_run(self) -> dict[str, tuple[float, float]]:
+        """End a run, from power-up to power-up.
+
+        Returns
+        -------
+        dict of str to tuple of float
+            Of each direction that the alarm watches: how far the mean of the run lies above what is usual for this
+            drive, in standard deviations of runs, and the score, nats. Empty if the alarm watches none.
+        """
+        return {name: (deviations, score) for name, deviations, score in self._core.end_run()}
+
+    def deny(self) -> bool:
+        """Deny the alarm, because the bearing was inspected and is sound; return whether there was one.
+
+        The evidence starts afresh, and what raised the alarm must be half as large again to raise the next one, for at
+        most three alarms.
+        """
+        return self._core.deny()
+
     def reset(self) -> None:
         """Forget all samples and all evidence."""
         self._core.reset()

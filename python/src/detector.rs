@@ -119,6 +119,23 @@ impl Detector {
         self.to_dict(py, last.as_slice())
     }
 
+    /// Ends the run; gives name, deviations and score of each direction of the alarm.
+    fn end_run(&mut self) -> PyResult<Vec<(String, f32, f32)>> {
+        self.require_between()?;
+        let ended = self.state.with_dependent_mut(|_, stream| stream.end_run());
+        let file = &self.state.borrow_owner().file;
+        let told = |one: &bearing_watch::alarm::Contribution| {
+            (file.model.direction_name(file.orders(), one.direction), one.deviations, one.score)
+        };
+        Ok(ended.run.iter().map(told).collect())
+    }
+
+    /// Denies the alarm; whether there was one.
+    fn deny(&mut self) -> PyResult<bool> {
+        self.require_between()?;
+        Ok(self.state.with_dependent_mut(|_, stream| stream.deny()))
+    }
+
     /// Evidence, alarm and baseline as bytes, between traces.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         self.require_between()?;

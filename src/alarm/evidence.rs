@@ -371,13 +371,30 @@ impl<P: Plan> Evidence<P> {
         self.drift.trend()
     }
 
-    /// Starts afresh, as after a repair: alarm, scores, counts, silence, trend, and what was learned of the drive.
-    pub fn reset(&mut self) {
+    /// Denies the alarm that stands, because the bearing was inspected and is sound; without one nothing changes, and the
+    /// result is false. Scores start afresh. The direction that raised the alarm counts its runs as half as wide again,
+    /// for at most three such alarms: a defect that is denied again and again is alarmed again and again.
+    pub fn deny(&mut self) -> bool {
+        if self.alarm.is_none() {
+            return false;
+        }
+        self.runs.deny(self.main.map(|main| main.direction), self.segments);
+        self.start_scores();
+        true
+    }
+
+    /// Scores, run and alarm start afresh.
+    fn start_scores(&mut self) {
         self.defects.cells_mut().fill(Score::ZERO);
         self.support.cells_mut().fill(0.0);
-        (self.novelty, self.run, self.main) = (Score::ZERO, 0, None);
+        (self.novelty, self.run, self.main, self.alarm) = (Score::ZERO, 0, None, None);
+    }
+
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence, trend, and what was learned of the drive.
+    pub fn reset(&mut self) {
+        self.start_scores();
         self.runs.reset();
-        (self.alarm, self.segments, self.undetermined) = (None, 0, 0);
+        (self.segments, self.undetermined) = (0, 0);
         self.drift = Drift::NONE;
         self.silent.end();
     }

@@ -47,6 +47,10 @@ use crate::regression::factor::pairs;
 const BETS: [f32; 3] = [1.0, 2.0, 4.0];
 /// A smaller skewness has no effect.
 const SKEWED: f32 = 0.05;
+/// The variance of runs is wider by this factor for each alarm of a direction that was denied, and by so many at most.
+/// Half as wide again each time, the law is then 3.4 times as wide: it hides no defect that is larger.
+const WIDER: f32 = 2.25;
+const MOST_DENIED: u32 = 3;
 /// A bet counts for the onset if its score is at least this part of the direction's largest.
 const SUPPORTS: f32 = 0.7;
 
@@ -83,7 +87,7 @@ pub(super) struct Runs<P: Plan> {
 pub(super) struct Scores {
     /// The coordinate that a defect raises.
     coordinate: u8,
-    /// U, B, W and γ.
+    /// U, B as trained, W and γ.
     between: f32,
     run: f32,
     segment: f32,
@@ -99,10 +103,12 @@ pub(super) struct Scores {
     since: [u32; BETS.len()],
     /// (x − û)/s of the last run.
     deviations: f32,
+    /// How many alarms were denied, up to [`MOST_DENIED`].
+    denied: u32,
 }
 
 /// Words of a direction in a saved state.
-pub(super) const WORDS: usize = 11;
+pub(super) const WORDS: usize = 12;
 
 /// What the bets of a run are judged by: ln min(n, n₀), and the cap of (5).
 #[derive(Clone, Copy)]
@@ -146,15 +152,17 @@ impl<P: Plan> Runs<P> {
         segments as f32 >= self.usual_segments
     }
 
-    /// The largest T of (6) of a run of so many segments, and its direction.
+    /// The largest T of (6) of a run of so many segments, and its direction. Of directions at the cap, which have the
+    /// same score, it is the one that has risen most.
     pub(super) fn largest(&self, segments: u32, cap: f32) -> (f32, u8) {
         let length = self.length(segments, cap);
-        let mut largest = (0.0, 0);
+        let (mut largest, mut risen) = ((0.0, 0), 0.0);
         for (place, direction) in pairs(0..u8::MAX, self.list.cells()) {
             let scores = direction.sequence(self.usual_segments, self.margin, length);
             let top = scores.into_iter().fold(0.0, f32::max);
-            if top > largest.0 {
-                largest = (top, place);
+            let deviations = direction.mean().map_or(0.0, |mean| direction.deviations_of(mean));
+            if top > largest.0 || (top >= largest.0 && deviations > risen) {
+                (largest, risen) = ((top, place), deviations);
             }
         }
         largest
@@ -223,6 +231,17 @@ impl<P: Plan> Runs<P> {
         all.fold(0.0, f32::max)
     }
 
+    /// Widens the law of a direction, whose alarm was denied, and starts all scores afresh at this segment.
+    pub(super) fn deny(&mut self, place: Option<u8>, now: u32) {
+        for (direction, at) in pairs(self.list.cells_mut(), 0..u8::MAX) {
+            if Some(at) == place && direction.denied < MOST_DENIED {
+                direction.denied = direction.denied.wrapping_add(1);
+            }
+            (direction.count, direction.sum) = (0.0, 0.0);
+            (direction.scores, direction.since) = ([0.0; BETS.len()], [now; BETS.len()]);
+        }
+    }
+
     /// Forgets all, also what was learned of the drive.
     pub(super) fn reset(&mut self) {
         self.learned = 0;
@@ -237,6 +256,7 @@ impl<P: Plan> Runs<P> {
             [*count, *sum, *precision, *weighted].iter().chain(scores).for_each(|x| put(x.to_bits()));
             since.iter().for_each(|segment| put(*segment));
             put(deviations.to_bits());
+            put(direction.denied);
         }
     }
 
@@ -254,9 +274,9 @@ impl<P: Plan> Runs<P> {
             for since in &mut direction.since {
                 *since = take()?;
             }
-            direction.deviations = f32::from_bits(take()?);
+            (direction.deviations, direction.denied) = (f32::from_bits(take()?), take()?);
             let Scores { count, sum, precision, weighted, scores, since, deviations, between, .. } = *direction;
-            let numbers = [sum, weighted, deviations].iter().all(|x| x.is_finite());
+            let numbers = [sum, weighted, deviations].iter().all(|x| x.is_finite()) && direction.denied <= MOST_DENIED;
             let least = 0.99 / between;
             let good =
                 numbers && (0.0..=1.01 * most + 1.0).contains(&count) && precision >= least && precision.is_finite();
@@ -285,20 +305,31 @@ impl Scores {
             scores: [0.0; BETS.len()],
             since: [0; BETS.len()],
             deviations: 0.0,
+            denied: 0,
         };
         scores.reset();
         scores
     }
 
     fn reset(&mut self) {
-        (self.count, self.sum, self.deviations) = (0.0, 0.0, 0.0);
+        (self.count, self.sum, self.deviations, self.denied) = (0.0, 0.0, 0.0, 0);
         (self.precision, self.weighted) = (1.0 / self.between, 0.0);
         (self.scores, self.since) = ([0.0; BETS.len()], [0; BETS.len()]);
     }
 
     /// x and s² of (2); `None` if the direction had no value.
     fn mean(&self) -> Option<(f32, f32)> {
-        (self.count > 0.0).then(|| (self.sum / self.count, self.run + self.segment / self.count))
+        (self.count > 0.0).then(|| (self.sum / self.count, self.run_variance() + self.segment / self.count))
+    }
+
+    /// B, wider after alarms that were denied.
+    fn run_variance(&self) -> f32 {
+        match self.denied {
+            0 => self.run,
+            1 => self.run * WIDER,
+            2 => self.run * (WIDER * WIDER),
+            _ => self.run * (WIDER * WIDER * WIDER),
+        }
     }
 
     /// T of (6) for each bet.
@@ -308,7 +339,7 @@ impl Scores {
         let s = libm::sqrtf(variance);
         let reference = self.weighted / self.precision + margin / libm::sqrtf(self.precision);
         let z = normal_score((x - reference) / s, self.skewness);
-        let usual = libm::sqrtf(self.run + self.segment / usual_segments) / s;
+        let usual = libm::sqrtf(self.run_variance() + self.segment / usual_segments) / s;
         let mut all = self.scores;
         for (score, bet) in pairs(&mut all, BETS) {
             let a = bet * usual;

@@ -299,6 +299,12 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         self.surroundings.baseline()
     }
 
+    /// Denies the alarm that stands, because the bearing was inspected and is sound ([`Evidence::deny`]).
+    pub fn deny(&mut self) -> bool {
+        self.settle(false);
+        self.evidence.deny()
+    }
+
     /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend. The baseline stays.
     pub fn reset(&mut self) {
         self.evidence.reset();

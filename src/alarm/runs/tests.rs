@@ -70,6 +70,16 @@ fn one_wild_run_raises_no_alarm_and_two_do() {
 }
 
 #[test]
+fn of_directions_at_the_cap_the_alarm_names_the_one_that_has_risen_most() {
+    for (values, expected) in [([9.0, 12.0], 1), ([12.0, 9.0], 0)] {
+        let mut evidence = evidence_of(vec![DIRECTION, Direction { coordinate: 1, ..DIRECTION }], 1.645, 100);
+        run(&mut evidence, &values);
+        let alarm = Alarm { segment: 2 * RUN, cause: Cause::Coordinate(expected) };
+        assert_eq!(run(&mut evidence, &values), Some(alarm));
+    }
+}
+
+#[test]
 fn a_long_run_speaks_before_it_ends() {
     let mut evidence = evidence_of(vec![DIRECTION], 1.645, 1000);
     run(&mut evidence, &[5.0]);
@@ -95,6 +105,38 @@ fn falling_and_missing_values_add_nothing() {
     });
     missing.end_run();
     assert_eq!((missing.score(), missing.contribution(0)), (0.0, fresh.contribution(0)));
+}
+
+#[test]
+fn a_defect_that_is_denied_again_and_again_is_alarmed_again_and_again() {
+    let mut evidence = evidence_of(vec![DIRECTION, Direction { coordinate: 1, ..DIRECTION }], 1.645, 100);
+    assert!(!evidence.deny(), "nothing to deny");
+    (0..60).for_each(|_| {
+        run(&mut evidence, &[0.0, 0.0]);
+    });
+    // The drive is known; the offset of a run has a deviation of ½, and this is eight of them.
+    let mut alarms = vec![];
+    for k in 1..=200_u32 {
+        if run(&mut evidence, &[0.0, 4.0]).is_some() {
+            alarms.push(k);
+            assert!(evidence.deny() && evidence.alarm().is_none() && evidence.score() == 0.0);
+        }
+    }
+    let between: Vec<u32> = alarms.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(alarms[0] == 2 && between.iter().all(|runs| (2..=6).contains(runs)), "{alarms:?}");
+    // What only the narrow law told is not told any more.
+    let mut evidence = evidence_of(vec![DIRECTION], 1.645, 100);
+    (0..60).for_each(|_| {
+        run(&mut evidence, &[0.0]);
+    });
+    let until = |evidence: &mut Evidence<RunTime>, most: u32| (1..=most).find(|_| run(evidence, &[1.2]).is_some());
+    let mut denied = evidence.clone();
+    // (1.2 − 1.645/√121)/√½ − ½ = 0.99 a run, of 9 − ln 4; with 2.25 B 0.67, and with 11.4 B 0.1.
+    assert_eq!(until(&mut denied, 40), Some(8));
+    assert!(denied.deny());
+    assert_eq!(until(&mut denied, 40), Some(12));
+    assert!(denied.deny() && until(&mut denied, 40).is_some() && denied.deny());
+    assert_eq!(until(&mut denied, 40), None);
 }
 
 #[test]

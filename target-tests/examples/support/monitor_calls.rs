@@ -38,6 +38,7 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     opaque(Evidence::segments(Monitor::evidence(&monitor)));
     of_directions(model, Monitor::evidence(&monitor));
     Monitor::limit_silence(&mut monitor, SilenceLimits { segments: opaque(3), hours: opaque(1.0) });
+    opaque(Monitor::deny(&mut monitor));
     Monitor::reset(&mut monitor);
 }
 

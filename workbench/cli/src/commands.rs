@@ -7,9 +7,9 @@ use clap::Subcommand;
 
 use super::options::{Job, Taken};
 use super::{
-    audit, campaign, convert, demo, evaluate, features, features_sum, grey_box, identify, init, listen, pages_of_help,
-    piecewise, replay, schema, signing, simulate, simulate_features, structure, tables, train, train_features,
-    validate, view,
+    audit, campaign, confirm, convert, demo, evaluate, features, features_sum, grey_box, identify, init, listen,
+    pages_of_help, piecewise, replay, schema, signing, simulate, simulate_features, structure, tables, train,
+    train_features, validate, view,
 };
 use model::Error;
 use model::settings::DriveFile;
@@ -33,6 +33,7 @@ pub(super) enum Command {
     SimulateFeatures(simulate_features::Args),
     Evaluate(Box<evaluate::Args>),
     Replay(Box<replay::Args>),
+    Confirm(confirm::Args),
     View(view::Args),
     Listen(listen::Args),
     Convert(Box<convert::ConvertArgs>),
@@ -108,6 +109,7 @@ impl Command {
             Self::Demo(_)
             | Self::Simulate(_)
             | Self::SimulateFeatures(_)
+            | Self::Confirm(_)
             | Self::View(_)
             | Self::Listen(_)
             | Self::Keys(_)
@@ -143,6 +145,7 @@ impl Command {
             Self::SimulateFeatures(args) => simulate_features::run(args),
             Self::Evaluate(args) => evaluate::run(args),
             Self::Replay(args) => replay::run(args),
+            Self::Confirm(args) => confirm::run(args),
             Self::View(args) => view::run(args),
             Self::Listen(args) => listen::run(args),
             Self::Convert(args) => convert::convert(args),

@@ -139,6 +139,7 @@ pub(super) const REPLAY: Form = Form {
         ("surprise", "number?", "−ln of the probability that a healthy segment is as distant, nats"),
         ("score", "number?", "Evidence so far, nats"),
         ("alarm", "object?", "Segment and cause of the alarm, once it is raised"),
+        ("run", "array?", "After the last segment of a run: deviations and score of each direction of the alarm"),
         ("trend", "object?", "Slope of the distance a segment, with its interval"),
         ("parameters", "object?", "Parameters of the difference model"),
         ("variance", "number?", "Variance of its residuals"),

@@ -66,8 +66,18 @@ jobs! {
         keys: &[&["traces"], TIMES, CHANNELS, PREPARATION],
         required: &["traces", "y", "u1"],
     }, help: &[TRACES];
+    /// `replay`.
+    Replay = Use { name: "replay", keys: &[&["traces", "labels", "group"]], required: &["traces"] }, help: &[
+        TRACES,
+        ("labels", "Labels with the column of --group; by default those of the drive file"),
+        (
+            "group",
+            "Column of the labels whose value is the same in all traces of a run, from power-up to power-up; by default \
+             that of the training",
+        ),
+    ];
     /// Commands that take traces alone.
-    Recordings = Use { name: "replay", keys: &[&["traces"]], required: &["traces"] }, help: &[TRACES];
+    Recordings = Use { name: "grey-box", keys: &[&["traces"]], required: &["traces"] }, help: &[TRACES];
     /// `grey-box motor`, `grey-box electrical`.
     Balanced = Use {
         name: "grey-box",

@@ -17,6 +17,7 @@ mod audit;
 mod campaign;
 mod commands;
 mod common;
+mod confirm;
 mod convert;
 mod demo;
 #[doc(hidden)]

@@ -3,16 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use bearing_watch::FrictionTerm;
-use bearing_watch::alarm::Trend;
+use bearing_watch::alarm::{Contribution, Trend};
 use serde_json::json;
 
-use super::jobs::Recordings;
+use super::jobs::Replay;
 use super::options::Taken;
 use super::output;
 use model::Error;
 use model::core::{Embedded, SegmentReport, Stream, Watched, denied, features, stuck_channels};
 use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
+use model::settings::Settings;
 use model::trace::Trace;
 use model::trace::tally::told;
 use model::train::front_end_source::further_columns;
@@ -31,16 +32,16 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     #[command(flatten)]
-    pub(super) taken: Taken<Recordings>,
+    pub(super) taken: Taken<Replay>,
     /// Lets the healthy mean follow slow changes, with this time constant in segments
     #[arg(long, value_name = "SEGMENTS")]
     follow: Option<f32>,
     /// Bound of what is followed, in healthy standard deviations
     #[arg(long, value_name = "SD", default_value_t = 2.0, requires = "follow")]
     follow_bound: f32,
-    /// Each trace is a run, from power-up to power-up: its segments depend on each other, and the alarm averages their
-    /// evidence. Without it, a run ends after the number of segments in the model
-    #[arg(long)]
+    /// Each trace is a run, from power-up to power-up, whose segments depend on each other. Without it and without
+    /// --group, a run ends after the number of segments in the model
+    #[arg(long, conflicts_with = "group")]
     run_a_trace: bool,
     /// Write a page with signals, verdicts, distance and evidence over time
     #[arg(long, value_name = "FILE")]
@@ -69,9 +70,10 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     args.write_rows(&model, &notes)?;
     let (mut raised, mut trend) = (false, None);
     let mut conclusion = Conclusion::new(&model, &notes.orders);
-    for trace in traces {
+    let ends = args.run_ends(&notes, &traces)?;
+    for (trace, run_ends) in traces.into_iter().zip(ends) {
         let prepared = notes.preparation().apply(&trace)?;
-        let (segments, evidence): (Vec<_>, Vec<_>) = stream.run(&prepared, args.run_a_trace).into_iter().unzip();
+        let (segments, evidence): (Vec<_>, Vec<_>) = stream.run(&prepared, run_ends).into_iter().unzip();
         conclusion.take(&prepared, &segments, &evidence);
         for (k, (segment, watched)) in segments.iter().zip(&evidence).enumerate() {
             if args.json {
@@ -90,6 +92,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             if let (Some(alarm), Some(cause), false) = (watched.alarm, model.cause(watched, &notes.orders), raised) {
                 raised = true;
                 output::say(format!("ALARM at segment {}: {cause}{}", alarm.segment, watched.rise()))?;
+            }
+            if !watched.run.is_empty() {
+                output::say(run_line(&model, &notes.orders, watched))?;
             }
             trend = watched.trend;
         }
@@ -130,7 +135,32 @@ pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
     Ok(page(&title, (&model, &notes.channels), &replayed, &conclusion))
 }
 
+/// What the run that ends says of each direction.
+fn run_line(model: &Embedded, orders: &[String], watched: &Watched) -> String {
+    let told = |one: &Contribution| {
+        format!("{} {:+.1} sd (score {:.1})", model.direction_name(orders, one.direction), one.deviations, one.score)
+    };
+    format!("  run: {}", watched.run.iter().map(told).collect::<Vec<_>>().join(", "))
+}
+
 impl Args {
+    /// Whether a run ends with each of these traces.
+    fn run_ends(&self, notes: &Notes, traces: &[Trace]) -> Result<Vec<bool>, Error> {
+        let Settings { data, validation, .. } = &self.taken.settings;
+        let (Some(labels), Some(column)) = (&data.labels, validation.group.as_ref().or(notes.group.as_ref())) else {
+            return match &validation.group {
+                Some(column) => Err(Error::Usage(format!("--group {column} is a column of the labels: give --labels"))),
+                None => Ok(vec![self.run_a_trace; traces.len()]),
+            };
+        };
+        let ids = traces.iter().map(|trace| trace.id.as_str());
+        let cells = traces::read_labels(labels)?.cells(column, ids)?;
+        if let Some(place) = cells.iter().position(String::is_empty) {
+            return Err(Error::trace(&traces[place].id, format!("no run in column {column} of {}", labels.display())));
+        }
+        Ok((1..=cells.len()).map(|next| cells.get(next) != cells.get(next - 1)).collect())
+    }
+
     fn write_rows(&self, model: &Embedded, notes: &Notes) -> Result<(), Error> {
         let Some(file) = &self.rows else { return Ok(()) };
         let ([trace], Some(front_end), false) = (
@@ -281,6 +311,12 @@ fn value(
             "deviations": watched.main.map(|main| main.deviations),
             "since": watched.main.map(|main| main.since + 1),
         })),
+        "run": (!watched.run.is_empty()).then(|| watched.run.iter().map(|one| json!({
+            "direction": model.direction_name(orders, one.direction),
+            "deviations": one.deviations,
+            "score": one.score,
+            "since": (one.score > 0.0).then_some(one.since + 1),
+        })).collect::<Vec<_>>()),
         "trend": watched.trend.map(|t| json!({ "value": t.slope, "low": t.low, "high": t.high })),
         "parameters": estimated.then(|| named_by(&model.structure().map_or_else(Vec::new, |own| own.names()), &segment.raw)),
         "variance": estimated.then_some(segment.variance),

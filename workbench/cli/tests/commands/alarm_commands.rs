@@ -95,6 +95,76 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
     );
 }
 
+/// Gives the traces of a set runs of this many, numbered from `first`, in a column `session` of their labels.
+fn with_sessions(labels: &Path, size: usize, first: usize) {
+    let text = std::fs::read_to_string(labels).expect("labels");
+    let mut lines = text.lines();
+    let mut out = format!("{},session\n", lines.next().expect("a header"));
+    lines.enumerate().for_each(|(k, line)| out += &format!("{line},{}\n", first + k / size));
+    std::fs::write(labels, out).expect("write");
+}
+
+#[test]
+fn an_alarm_by_runs_says_what_has_risen_and_is_confirmed() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --condition mix --count 96 --seed 21 --out train");
+    succeed(dir, "simulate --class healthy --condition mix --count 12 --seed 22 --out later");
+    succeed(dir, "simulate --class spall --condition mix --severity 0.35 --count 8 --seed 23 --out later");
+    with_sessions(&dir.join("train/labels.csv"), 6, 0);
+    with_sessions(&dir.join("later/labels.csv"), 4, 100);
+    let told = succeed(
+        dir,
+        &format!(
+            "{TRAIN} --labels train/labels.csv --model m.bwm --rust m.rs --c m.h --angle angle_rad \
+             --velocity velocity_rad_s --velocity-ref velocity_ref_rad_s --load load_torque_nm --bearing 9,3,17,0.1745 \
+             --features drag,inverse_kt,viscous,order_outer,order_inner --group session --alarm-interval-h 1000"
+        ),
+    );
+    assert!(told.contains("outer order; inner order), 16 runs of one drive × 6 records"), "{told}");
+    let read = |file: &str| std::fs::read_to_string(dir.join(file)).expect("a file");
+    assert!(read("m.rs").contains("FEATURES: [&str; 5] = [\"drag\", \"inverse_kt\", \"viscous\", \"order_outer\""));
+    assert!(read("m.h").contains("#define BW_MODEL_FEATURE_NAMES { \"drag\", \"inverse_kt\""), "{}", read("m.h"));
+
+    let replay = "replay --model m.bwm later --labels later/labels.csv";
+    let said = succeed(dir, &format!("{replay} --report r.html"));
+    assert_eq!(said.lines().filter(|line| line.starts_with("  run: ")).count(), 5, "{said}");
+    let end = said.lines().last().expect("words");
+    assert!(end.starts_with("ALARM: outer order has risen. It is "), "{end}");
+    assert!(end.contains("since spall_0.35_mix_23_000") && end.contains("inner order are as usual"), "{end}");
+    assert!(read("r.html").contains("Features over the runs") && read("r.html").contains("risen since"));
+    let values = json(&succeed(dir, &format!("{replay} --json")));
+    assert_eq!((&values[2]["run"], &values[3]["run"][2]["direction"]), (&Value::Null, &"order_outer".into()));
+    assert!(values[19]["run"][2]["deviations"].as_f64().expect("a number") > 10.0, "{}", values[19]["run"]);
+    assert_eq!(values[19]["alarm"]["cause"], "order_outer");
+    refuse(dir, "replay --model m.bwm later --group session", &["--group session", "--labels"]);
+    refuse(dir, "replay --model m.bwm train --labels later/labels.csv", &["no run in column session"]);
+    refuse(dir, "replay --model m.bwm later --labels later/labels.csv --group day", &["no column day"]);
+
+    let confirm = "confirm --labels later/labels.csv later/spall_0.35_mix_23_000.csv";
+    let said = succeed(dir, &format!("{confirm} --false"));
+    assert!(
+        said.starts_with("1 recording is healthy") && said.contains("(1 of them") && said.contains("deny"),
+        "{said}"
+    );
+    assert!(
+        read("later/labels.csv").contains("spall_0.35_mix_23_000.csv,healthy,0.35"),
+        "{}",
+        read("later/labels.csv")
+    );
+    succeed(dir, "confirm --labels later/labels.csv later/spall_0.35_mix_23_000.csv --true outer");
+    let unknown = "confirm --labels train/labels.csv later/spall_0.35_mix_23_000.csv --false";
+    refuse(dir, unknown, &["needs a cell of column severity"]);
+    let cells = "--set severity=0 --set seed=1 --set condition=mix --set waveform=sine --set session=16";
+    assert!(succeed(dir, &format!("{unknown} {cells}")).contains("(0 of them"));
+    assert!(read("train/labels.csv").ends_with("spall_0.35_mix_23_000,healthy,0,1,mix,sine,16\n"));
+    refuse(dir, &format!("{confirm} --false --true outer"), &["--true"]);
+    refuse(dir, confirm, &["--false"]);
+    refuse(dir, &format!("{confirm} --true healthy"), &["no defect"]);
+    refuse(dir, &format!("{confirm} --false --set day=3"), &["no column day"]);
+    refuse(dir, "confirm --labels later/labels.csv later --false", &["no file"]);
+}
+
 #[test]
 fn a_gate_beside_trained_classes() {
     let folder = tempfile::tempdir().expect("folder");

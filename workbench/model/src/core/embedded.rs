@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{EvidenceConstants, Feature, Sampling, ShaftConstants};
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{Cause, Detector, Model, ModelError, Reason, Report, Verdict};
+use bearing_watch::{Cause, Decision, Detector, Evidence, Model, ModelError, Reason, Report, Verdict};
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
@@ -170,6 +170,25 @@ impl Embedded {
         feature.map_or_else(|| "unknown".into(), |feature| self.catalogue(orders).name(*feature))
     }
 
+    /// The feature that a direction of the alarm watches.
+    #[must_use]
+    pub fn direction_feature(&self, orders: &[String], direction: u8) -> String {
+        let list = &self.model.constants().classifier.novelty.directions.list;
+        let watched = list.get(usize::from(direction));
+        watched.map_or_else(|| "unknown".into(), |direction| self.feature_name(orders, direction.coordinate))
+    }
+
+    /// The same with the features that are subtracted from it.
+    #[must_use]
+    pub fn direction_name(&self, orders: &[String], direction: u8) -> String {
+        let list = &self.model.constants().classifier.novelty.directions.list;
+        let terms = list.get(usize::from(direction)).map_or(&[][..], |direction| &direction.background);
+        let subtracted = terms.iter().filter(|term| term.weight != 0.0);
+        let background: Vec<String> = subtracted.map(|term| self.feature_name(orders, term.coordinate)).collect();
+        let name = self.direction_feature(orders, direction);
+        if background.is_empty() { name } else { format!("{name} given {}", background.join(", ")) }
+    }
+
     /// The covariates that were missing or outside their range.
     #[must_use]
     pub fn outside(&self, segment: &SegmentReport) -> Vec<Feature> {
@@ -203,6 +222,18 @@ impl Embedded {
             Cause::Unknown => "unknown".into(),
             Cause::Coordinate(place) => self.feature_name(orders, place),
         })
+    }
+
+    /// The core's evidence before the first segment of a drive.
+    #[must_use]
+    pub fn evidence(&self) -> Evidence<RunTime> {
+        self.model.evidence()
+    }
+
+    /// The core's decision on a segment; `None` if it had none.
+    #[must_use]
+    pub fn decision(&self, segment: &SegmentReport) -> Option<Decision<RunTime>> {
+        watch::decision(&self.model, segment)
     }
 
     /// State of the core's evidence after each of these segments; they may come from several traces of one drive, in

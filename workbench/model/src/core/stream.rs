@@ -66,12 +66,23 @@ impl<'m> Stream<'m> {
         let mut segments = self.take(trace);
         segments.extend(self.end());
         if run_ends {
-            self.monitor.end_run();
+            let ended = self.end_run();
             if let Some((_, watched)) = segments.last_mut() {
-                *watched = self.watched();
+                *watched = ended;
             }
         }
         segments
+    }
+
+    /// Denies the alarm, because the bearing was inspected and is sound; whether there was one.
+    pub fn deny(&mut self) -> bool {
+        self.monitor.deny()
+    }
+
+    /// Ends the run, from power-up to power-up; gives what is known then.
+    pub fn end_run(&mut self) -> Watched {
+        self.monitor.end_run();
+        Watched::of_run(self.monitor.evidence())
     }
 
     /// Takes the next samples, and returns the segments that end with them.
@@ -95,8 +106,8 @@ impl<'m> Stream<'m> {
         if !run_ends {
             return last;
         }
-        self.monitor.end_run();
-        last.map(|(segment, _)| (segment, self.watched()))
+        let ended = self.end_run();
+        last.map(|(segment, _)| (segment, ended))
     }
 
     fn end(&mut self) -> Option<Judged> {

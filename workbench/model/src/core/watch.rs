@@ -7,7 +7,7 @@ use bearing_watch::{Alarm, Decision, Evidence, Model};
 use super::segment::SegmentReport;
 
 /// State of the evidence after a segment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Watched {
     /// Largest score, nats.
     pub score: f32,
@@ -19,13 +19,21 @@ pub struct Watched {
     pub trend: Option<Trend>,
     /// Whether no segment has had a verdict for too long, and why.
     pub silence: Option<Silence>,
+    /// What each direction contributes, after the last segment of a run; empty after others.
+    pub run: Vec<Contribution>,
 }
 
 impl Watched {
     pub(super) fn of(evidence: &Evidence<RunTime>) -> Self {
         let (score, alarm) = (evidence.score(), evidence.alarm());
         let (main, trend, silence) = (evidence.main_contribution(), evidence.trend(), evidence.silence());
-        Self { score, alarm, main, trend, silence }
+        Self { score, alarm, main, trend, silence, run: vec![] }
+    }
+
+    /// At the end of a run.
+    pub(super) fn of_run(evidence: &Evidence<RunTime>) -> Self {
+        let run = (0..u8::MAX).map_while(|direction| evidence.contribution(direction)).collect();
+        Self { run, ..Self::of(evidence) }
     }
 
     /// By how much and since when what raised the alarm has risen; empty without directions.
@@ -51,7 +59,7 @@ pub(super) fn over(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Wa
 }
 
 /// Reconstructs the decision on a segment; `None` if it had none.
-fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Option<Decision<RunTime>> {
+pub(super) fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Option<Decision<RunTime>> {
     if segment.log_likelihoods.is_empty() {
         return None;
     }

@@ -20,7 +20,7 @@ struct Section {
 
 /// Low-pass filter of even order.
 #[derive(Clone, Debug)]
-pub(crate) struct LowPass {
+pub struct LowPass {
     sections: Vec<Section>,
     /// Cut-off, cycles per sample.
     cutoff: f64,
@@ -28,7 +28,8 @@ pub(crate) struct LowPass {
 
 impl LowPass {
     /// Butterworth filter; `cutoff` in cycles per sample, below one half.
-    pub(crate) fn butterworth(pairs: usize, cutoff: f64) -> Self {
+    #[must_use]
+    pub fn butterworth(pairs: usize, cutoff: f64) -> Self {
         Self::new(pairs, cutoff, 1.0, 1.0)
     }
 
@@ -56,7 +57,8 @@ impl LowPass {
     }
 
     /// Filters forward; the initial state is the steady state for the first sample.
-    pub(crate) fn forward(&self, x: &[f64]) -> Vec<f64> {
+    #[must_use]
+    pub fn forward(&self, x: &[f64]) -> Vec<f64> {
         self.sections.iter().fold(x.to_vec(), |x, section| section.run(&x))
     }
 

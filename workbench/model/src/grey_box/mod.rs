@@ -5,7 +5,7 @@
 //! model of the current (thesis Eq. 2.41).
 
 pub mod external;
-pub(crate) mod filter;
+pub mod filter;
 pub mod linear;
 pub mod motor;
 pub mod physical;

@@ -31,6 +31,9 @@ pub struct Notes {
     /// The units (drives) of the training traces, if they were given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub units: Vec<String>,
+    /// The column of the labels that told the runs, if one did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
 }
 
 /// By the derived way.
@@ -71,6 +74,7 @@ impl Notes {
             trained_on,
             contents: vec![],
             units,
+            group: None,
         }
     }
 
@@ -78,6 +82,12 @@ impl Notes {
     #[must_use]
     pub fn with_contents(self, contents: Vec<u32>) -> Self {
         Self { contents, ..self }
+    }
+
+    /// The same with the column that told the runs.
+    #[must_use]
+    pub fn with_group(self, group: Option<&String>) -> Self {
+        Self { group: group.cloned(), ..self }
     }
 
     /// What is done to recordings before the detector.

@@ -15,7 +15,7 @@ use super::judging::prepare;
 use super::log::Log;
 use super::notes::Notes;
 use super::precision;
-use super::selection::Selection;
+use super::selection::{INDEPENDENT, Selection};
 use super::sources::read_by;
 use super::temperatures::{Temperatures, covariates};
 use super::training::Training;
@@ -116,7 +116,8 @@ impl Session {
         let description = description::lines(&trained, &channels, host);
         let ids = training.iter().map(|t| stem(&t.trace.id).to_string()).collect();
         let units = &trained.recipe.validation.units;
-        let notes = Notes::new(&channels, host, &trained, (ids, units), self.drive.clone());
+        let column = self.settings.validation.group.as_ref().filter(|column| *column != INDEPENDENT);
+        let notes = Notes::new(&channels, host, &trained, (ids, units), self.drive.clone()).with_group(column);
         let notes = notes.with_contents(training.iter().map(|t| content(&t.trace)).collect());
         let bytes = trained.to_bytes(&notes.to_text())?;
         Ok(Training { trained, bytes, channels, training, prepared, description, host, orders, held_out, notes, doubt })

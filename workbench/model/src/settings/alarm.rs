@@ -10,7 +10,7 @@ use crate::Error;
 use crate::train::{AlarmInterval, Alarms};
 
 /// Names of the healthy class if none is given.
-const USUAL: [&str; 2] = ["healthy", "normal"];
+pub const HEALTHY_NAMES: [&str; 2] = ["healthy", "normal"];
 /// Rate of healthy segments called novel.
 const FALSE_ALARM: f64 = 0.01;
 
@@ -84,7 +84,7 @@ merges!(Alarm {
 /// There is no class of this name.
 pub fn healthy_class(given: Option<&str>, classes: &[String]) -> Result<Option<usize>, Error> {
     let place = |name: &str| classes.iter().position(|class| class == name.trim());
-    let Some(name) = given else { return Ok(USUAL.iter().find_map(|name| place(name))) };
+    let Some(name) = given else { return Ok(HEALTHY_NAMES.iter().find_map(|name| place(name))) };
     let unknown = || Error::Usage(format!("--healthy: unknown class {name}; there are {}", classes.join(", ")));
     place(name).map(Some).ok_or_else(unknown)
 }

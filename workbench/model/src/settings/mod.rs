@@ -39,7 +39,7 @@ mod uses;
 mod validation;
 mod whole;
 
-pub use alarm::{Alarm, healthy_class};
+pub use alarm::{Alarm, HEALTHY_NAMES, healthy_class};
 pub use bearing::Bearing;
 pub use choices::{Discriminant, Method, Novelty, Park, Projection, VelocityFrom};
 pub use data::Data;

@@ -130,6 +130,12 @@ impl Labels {
         &self.columns
     }
 
+    /// The names of the columns, and the rows.
+    #[must_use]
+    pub fn table(&self) -> Vec<Vec<String>> {
+        std::iter::once(&self.columns).chain(&self.rows).cloned().collect()
+    }
+
     /// Takes the cells of a file.
     ///
     /// # Errors

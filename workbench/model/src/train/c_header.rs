@@ -13,12 +13,17 @@ use crate::{Error, visible};
 /// Bytes of a row of the array.
 const ROW: usize = 16;
 
-/// Returns the C header of the model; `notes` become a comment at its head. The bytes are those of the model file
-/// without its notes, which are for the workbench. If the `recorded` channels passed a front end, the header has it, too.
+/// Returns the C header of the model with these names of its features; `notes` become a comment at its head. The bytes
+/// are those of the model file without its notes, which are for the workbench. If the `recorded` channels passed a front
+/// end, the header has it, too.
 ///
 /// # Errors
 /// A model that is too large for its binary form, or whose front end has no place in the C interface.
-pub fn c_header(model: &Model<RunTime>, notes: &[String], recorded: Option<&Channels>) -> Result<String, Error> {
+pub fn c_header(
+    model: &Model<RunTime>,
+    (notes, features): (&[String], &[String]),
+    recorded: Option<&Channels>,
+) -> Result<String, Error> {
     let front_end = recorded.and_then(|recorded| Some((recorded, recorded.front_end.as_ref()?)));
     let mut buffer = vec![0; MAX_BYTES];
     let length = model.to_bytes("", &mut buffer).map_err(|error| Error::Training(error.to_string()))?;
@@ -62,6 +67,10 @@ pub fn c_header(model: &Model<RunTime>, notes: &[String], recorded: Option<&Chan
     line(&mut out, &format!("#define BW_MODEL_CLASSES {}u", labels.len()));
     enumeration(&mut out, "BW_MODEL_CLASS_", &labels);
     line(&mut out, &format!("#define BW_MODEL_CLASS_NAMES {}", texts(&labels)));
+    out += "\n/* Features; the coordinate of an alarm is a place among them. */\n";
+    let features: Vec<&str> = features.iter().map(String::as_str).collect();
+    line(&mut out, &format!("#define BW_MODEL_FEATURES {}u", features.len()));
+    line(&mut out, &format!("#define BW_MODEL_FEATURE_NAMES {}", texts(&features)));
     out += "\n/* For `bw_init`. */\nstatic const uint8_t bw_model[BW_MODEL_LENGTH] = {\n";
     for row in bytes.chunks(ROW) {
         let row: Vec<String> = row.iter().map(|byte| format!("0x{byte:02x},")).collect();
@@ -100,7 +109,7 @@ mod tests {
     fn the_bytes_are_those_of_the_model() {
         let file = std::fs::read(format!("{FOLDER}/model.bwm")).expect("the committed model");
         let model = Model::<RunTime>::from_bytes(&file).expect("a model");
-        let header = c_header(&model, &["ends */ here".into()], None).expect("a header");
+        let header = c_header(&model, (&["ends */ here".into()], &["mean".into()]), None).expect("a header");
         let (_, array) = header.split_once("= {\n").expect("an array");
         let array = array.split_once("};").expect("the end of the array").0;
         let bytes = array.split_terminator(',').map(str::trim).filter(|byte| !byte.is_empty());

@@ -34,6 +34,12 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     out.line(0, "");
     plan(&mut out, &layout, &constants.channels);
     out.line(0, "");
+    out.line(0, "/// Names of the features, in the order of the model: an alarm names one by its place.");
+    out.line(0, "#[allow(dead_code)]");
+    out.line(0, "#[rustfmt::skip]");
+    let names: Vec<String> = trained.feature_names.iter().map(|name| format!("{name:?}")).collect();
+    out.line(0, &format!("pub const FEATURES: [&str; {}] = [{}];", names.len(), names.join(", ")));
+    out.line(0, "");
     out.line(0, "/// The trained model.");
     out.line(0, "#[allow(clippy::all, clippy::pedantic)]");
     out.line(0, "#[rustfmt::skip]");

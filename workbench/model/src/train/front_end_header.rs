@@ -144,7 +144,7 @@ mod tests {
     fn the_committed_header_is_that_of_the_committed_model() {
         let source = text("examples/support/actuator/model.rs");
         let notes = source.lines().skip(2).map_while(|line| line.strip_prefix("// ")).map(String::from);
-        let header = c_header(&model(), &notes.collect::<Vec<_>>(), Some(&recorded())).expect("a header");
+        let header = c_header(&model(), (&notes.collect::<Vec<_>>(), &[]), Some(&recorded())).expect("a header");
         let same = header == text("examples/support/actuator/model.h");
         assert!(same, "the commands in `examples/drive.rs` write it anew:\n{header}");
     }
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn a_channel_that_the_front_end_does_not_make_is_refused() {
         let without = Channels { u2: "load_torque_nm-other".into(), ..recorded() };
-        let problem = c_header(&model(), &[], Some(&without)).expect_err("a difference").to_string();
+        let problem = c_header(&model(), (&[], &[]), Some(&without)).expect_err("a difference").to_string();
         assert!(problem.contains("--c") && problem.contains("load_torque_nm"), "{problem}");
     }
 }

@@ -1,7 +1,9 @@
 //! What the detector says of a drive after all its traces.
 
+use bearing_watch::alarm::Contribution;
 use model::core::{Embedded, Finding, SegmentReport, Watched};
 use model::trace::Trace;
+use model::train::directions::in_words;
 
 use super::percent;
 use crate::departing::departing;
@@ -25,8 +27,12 @@ pub struct Conclusion<'a> {
     first: Option<String>,
     /// Surprise of the segment that departs most until the alarm, nats, and its feature.
     most: (f32, Option<String>),
+    /// Place of each segment.
+    places: Vec<String>,
     /// Place of the segment since which the evidence is above zero.
     rising: Option<String>,
+    /// The runs that have ended: the number of their last segment, and what each direction contributes.
+    runs: Vec<(usize, Vec<Contribution>)>,
     /// The largest evidence until the alarm, nats.
     score: f32,
     alarm: Option<Raised>,
@@ -38,7 +44,15 @@ struct Raised {
     cause: String,
     at: String,
     since: String,
+    /// The direction that raised it, in a model that watches directions.
+    main: Option<Contribution>,
+    /// What has risen too, and what is as usual, in words.
+    too: Vec<String>,
+    usual: Vec<String>,
 }
+
+/// A run this many deviations above the drive's usual mean is not as usual.
+const USUAL: f32 = 3.0;
 
 impl<'a> Conclusion<'a> {
     /// Before the first trace; `orders` are the names of the tracked orders.
@@ -55,7 +69,9 @@ impl<'a> Conclusion<'a> {
             reasons: vec![],
             first: None,
             most: (0.0, None),
+            places: vec![],
             rising: None,
+            runs: vec![],
             score: 0.0,
             alarm: None,
         }
@@ -67,9 +83,13 @@ impl<'a> Conclusion<'a> {
         for (segment, watched) in segments.iter().zip(watched) {
             let at = place(trace, segment);
             self.count(segment, &at);
+            if !watched.run.is_empty() {
+                self.runs.push((self.places.len(), watched.run.clone()));
+            }
             if self.alarm.is_none() {
                 self.weigh(watched, &at);
             }
+            self.places.push(at);
         }
     }
 
@@ -106,8 +126,11 @@ impl<'a> Conclusion<'a> {
         }
         self.score = self.score.max(watched.score);
         if let Some(cause) = self.model.cause(watched, self.orders) {
-            let since = self.rising.clone().unwrap_or_else(|| at.to_owned());
-            self.alarm = Some(Raised { cause: cause + &watched.rise(), at: at.to_owned(), since });
+            let onset = watched.main.and_then(|main| self.places.get(usize::try_from(main.since).ok()?));
+            let since = onset.or(self.rising.as_ref()).cloned().unwrap_or_else(|| at.to_owned());
+            let last = self.runs.last().map_or(&[][..], |(_, run)| run);
+            let [too, usual] = self.others(if watched.run.is_empty() { last } else { &watched.run }, &cause);
+            self.alarm = Some(Raised { cause, at: at.to_owned(), since, main: watched.main, too, usual });
         }
     }
 
@@ -135,7 +158,10 @@ impl<'a> Conclusion<'a> {
     }
 
     fn alarmed(&self, alarm: &Raised, decided: usize) -> String {
-        let Raised { cause, at, since } = alarm;
+        let Raised { cause, at, since, main, .. } = alarm;
+        if let Some(main) = main {
+            return self.risen(alarm, main);
+        }
         let what = if cause == "unknown" { "a defect of no trained class" } else { cause };
         format!(
             "ALARM: {what}. It was raised in {at}; the evidence has been above zero since {since}, and {}. {}. Inspect \
@@ -143,6 +169,49 @@ impl<'a> Conclusion<'a> {
             self.evidence(),
             self.departures(decided, self.model.healthy()),
         )
+    }
+
+    /// An alarm by a direction: what has risen, by how much, since when, and what has not.
+    fn risen(&self, raised: &Raised, main: &Contribution) -> String {
+        let Raised { cause, at, since, too, usual, .. } = raised;
+        let list = |names: &[String], one: &str, several: &str| match names {
+            [] => String::new(),
+            [name] => format!("; {name} {one}"),
+            [first @ .., last] => format!("; {} and {last} {several}", first.join(", ")),
+        };
+        let others = list(too, "has risen too", "have risen too") + &list(usual, "is as usual", "are as usual");
+        format!(
+            "ALARM: {} has risen. It is {:.1} standard deviations of runs above what is usual for this drive, since \
+             {since}{others}. The alarm was raised in {at}; the evidence {}. Inspect the bearing. If it is sound, file the \
+             alarm as false: bearing-watch confirm --false.",
+            in_words(cause),
+            main.deviations,
+            self.evidence(),
+        )
+    }
+
+    /// The features of the other directions that have risen at the end of a run, and those that have not, in words.
+    fn others(&self, run: &[Contribution], cause: &str) -> [Vec<String>; 2] {
+        let feature = |one: &Contribution| self.model.direction_feature(self.orders, one.direction);
+        let risen: Vec<String> = run.iter().filter(|one| one.deviations >= USUAL).map(feature).collect();
+        let mut others = [vec![], vec![]];
+        for name in run.iter().map(feature).filter(|name| name != cause) {
+            let (words, list) = (in_words(&name), &mut others[usize::from(!risen.contains(&name))]);
+            if !list.contains(&words) {
+                list.push(words);
+            }
+        }
+        others
+    }
+
+    /// The runs that have ended.
+    pub(crate) fn runs(&self) -> &[(usize, Vec<Contribution>)] {
+        &self.runs
+    }
+
+    /// Place of a segment by its number.
+    pub(crate) fn place(&self, segment: usize) -> &str {
+        self.places.get(segment).map_or("–", String::as_str)
     }
 
     fn unusual(&self, decided: usize, healthy: usize) -> String {

@@ -25,6 +25,7 @@ use nalgebra::DVector;
 
 use levels::Sample;
 pub use levels::{FEWEST, Levels};
+pub use words::in_words;
 
 use super::{Candidates, FeatureTable, ProjectionKind, Recipe, Validation};
 use crate::core::features;

@@ -2,8 +2,9 @@
 
 use super::{Direction, Directions, FEWEST, MOST, quantity};
 
-/// Name of a coordinate for a reader.
-fn name(coordinate: &str) -> String {
+/// Name of a feature for a reader.
+#[must_use]
+pub fn in_words(coordinate: &str) -> String {
     let plain = quantity(coordinate);
     if coordinate.starts_with("order_") || coordinate.starts_with("amplitude_") {
         return format!("{plain} order");
@@ -20,7 +21,7 @@ impl Direction {
     /// What it watches, by the names of the coordinates.
     #[must_use]
     pub fn words(&self, names: &[String]) -> String {
-        let of = |k: usize| names.get(k).map_or_else(|| format!("z{}", k + 1), |coordinate| name(coordinate));
+        let of = |k: usize| names.get(k).map_or_else(|| format!("z{}", k + 1), |coordinate| in_words(coordinate));
         let background: Vec<String> = self.background.iter().map(|(k, _)| of(*k)).collect();
         match background.as_slice() {
             [] => of(self.coordinate),

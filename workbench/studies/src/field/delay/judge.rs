@@ -3,13 +3,25 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::watch::{Record, Watch};
+use super::watch::Watch;
 
 /// Most runs that a history with a defect lasts.
 pub(super) const LONGEST: u32 = 100;
 
-/// Runs of one drive.
-pub(super) type Runs = Vec<Vec<Record>>;
+/// Runs of healthy histories, and of all of them, a drive.
+const HISTORY: usize = 1500;
+const TOTAL: usize = 150_000;
+/// Histories of each defect a drive.
+const HISTORIES: u32 = 60;
+
+/// What one watch finds of one drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// Healthy histories.
+    pub healthy: FalseAlarms,
+    /// Histories of each of the defects.
+    pub defective: Vec<Vec<Outcome>>,
+}
 
 /// Alarms of healthy histories.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,22 +49,40 @@ pub struct Outcome {
     pub direction: Option<usize>,
 }
 
-/// Draws healthy histories of so many runs in all, each from `start` until its alarm or its end.
-pub(super) fn healthy(
-    start: &Watch<'_>,
-    runs: &Runs,
-    (total, length): (usize, usize),
-    (run_h, seed): (f64, u64),
-) -> FalseAlarms {
+/// What all histories of a drive share.
+#[derive(Clone, Copy)]
+pub(super) struct History {
+    /// Length of a run, hours.
+    pub(super) run_h: f64,
+    pub(super) seed: u64,
+}
+
+/// Judges a watch by healthy runs and those with each defect, of which `taken` gives what it takes.
+pub(super) fn judge<R, W: Watch>(
+    start: &W,
+    (healthy, defects): (&[Vec<R>], &[Vec<Vec<R>>]),
+    taken: impl Fn(&[R]) -> Vec<W::Record>,
+    history: History,
+) -> Judged {
+    let all = |runs: &[Vec<R>]| -> Vec<Vec<W::Record>> { runs.iter().map(|run| taken(run)).collect() };
+    let of_defect = |(runs, place): (&Vec<Vec<R>>, u64)| defective(start, &all(runs), history.seed + place);
+    Judged {
+        healthy: undisturbed(start, &all(healthy), history),
+        defective: defects.iter().zip(0..).map(of_defect).collect(),
+    }
+}
+
+/// Draws healthy histories, each from `start` until its alarm or its end.
+fn undisturbed<W: Watch>(start: &W, runs: &[Vec<W::Record>], History { run_h, seed }: History) -> FalseAlarms {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut false_alarms = FalseAlarms::default();
     let (mut watch, mut age) = (start.clone(), 0);
-    for _ in 0..total {
-        let alarm = one_run(&mut watch, &runs[random.random_range(0..runs.len())]).is_some();
+    for _ in 0..TOTAL {
+        let alarm = watch.run(&runs[random.random_range(0..runs.len())]).is_some();
         age += 1;
         false_alarms.hours += run_h;
         false_alarms.alarms += usize::from(alarm);
-        if alarm || age == length {
+        if alarm || age == HISTORY {
             (watch, age) = (start.clone(), 0);
         }
     }
@@ -60,23 +90,13 @@ pub(super) fn healthy(
 }
 
 /// Draws histories whose bearing is defective from the first run on.
-pub(super) fn defective(start: &Watch<'_>, runs: &Runs, histories: u32, seed: u64) -> Vec<Outcome> {
+fn defective<W: Watch>(start: &W, runs: &[Vec<W::Record>], seed: u64) -> Vec<Outcome> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut one = |_| {
         let mut watch = start.clone();
-        let mut next = || one_run(&mut watch, &runs[random.random_range(0..runs.len())]);
+        let mut next = || watch.run(&runs[random.random_range(0..runs.len())]);
         let alarm = (1..=LONGEST).find_map(|run| next().map(|direction| (run, direction)));
         Outcome { run: alarm.map(|alarm| alarm.0), direction: alarm.map(|alarm| alarm.1) }
     };
-    (0..histories).map(&mut one).collect()
-}
-
-/// Observes a run and ends it; gives the direction that raised an alarm.
-pub(super) fn one_run(watch: &mut Watch<'_>, run: &[Record]) -> Option<usize> {
-    let mut raised = None;
-    for record in run {
-        raised = raised.or(watch.observe(record));
-    }
-    watch.end_run();
-    raised
+    (0..HISTORIES).map(&mut one).collect()
 }

@@ -1,7 +1,8 @@
 //! Hours between false alarms and runs until the alarm: the alarm by directions on drives that were not in training.
 //!
-//! A draw trains on the runs of some drives by the trainer of the workbench and judges it on the runs of others, under
-//! all effects of the field. A judged drive is watched from its first run, or after fourteen runs of its own. Histories
+//! A draw trains on the runs of some drives by the trainer of the workbench and judges the core's alarm on the runs of
+//! others, under all effects of the field. A judged drive is watched from its first run, or after fourteen runs of its
+//! own; plain alternatives (`peers`) watch it after these fourteen runs too. Histories
 //! draw whole runs of the drive, with repetition: healthy ones until an alarm or for a set length, and with a defect of
 //! each kind and size from their first run on. A history without an alarm within a hundred runs counts as none. A run
 //! that is recorded once comes again and again, and none is rarer than the runs are many: hours far above the recorded
@@ -17,24 +18,31 @@
 //! covariance of runs of a drive in training.
 
 mod judge;
+mod peers;
 mod records;
 mod render;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod twin;
 mod watch;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-pub use judge::{FalseAlarms, Outcome};
-use judge::{Runs, defective, healthy, one_run};
+pub use judge::{FalseAlarms, Judged, Outcome};
+use judge::{History, judge};
+use peers::{Cusum, Threshold, Usual, band, mean};
 use records::{Place, record};
 pub use render::{text, to_json};
-use watch::{Record, Watch};
+use watch::{Core, Watch};
 
 use super::recipe::recipe;
 use super::sessions::Fleet;
 use crate::campaign::{Cell, Purpose};
+use bearing_watch::Decision;
+use bearing_watch::model::FeatureValue;
+use bearing_watch::plan::RunTime;
 use model::Error;
 use model::core::{Embedded, SegmentReport};
 use model::trace::labels::LabelledTrace;
@@ -46,13 +54,12 @@ const FEATURES: [&str; 7] =
     ["inverse_kt", "load_friction", "viscous", "drag", "order_outer", "order_inner", "order_ball"];
 /// First session with a defect.
 const DEFECTIVE: u32 = 500;
-/// Runs of healthy histories, and of all of them, a drive.
-const HISTORY: usize = 1500;
-const TOTAL: usize = 150_000;
-/// Histories of each defect a drive.
-const HISTORIES: u32 = 60;
 /// Runs of its own after which a drive counts as known.
 pub const KNOWN: usize = 14;
+/// What watches the drive: the core's alarm from the first day on and after [`KNOWN`] runs, a threshold and a sum of
+/// the residual's band, and sums of the features that the core watches.
+pub const WATCHES: [&str; 5] =
+    ["first day", "14 runs of its own", "threshold", "CUSUM of the band", "CUSUM of features"];
 
 /// Size of the study.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,20 +103,11 @@ pub fn conditions() -> Vec<Condition> {
     Condition::all().filter(|condition| ["field-sine", "field-any"].contains(&condition.name)).collect()
 }
 
-/// What is found of one drive from the first day on, and of one that is known.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Judged {
-    /// Healthy histories.
-    pub healthy: FalseAlarms,
-    /// Histories of each of the defects.
-    pub defective: Vec<Vec<Outcome>>,
-}
-
 /// One judged drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
-    /// From the first run on, and after [`KNOWN`] runs.
-    pub judged: [Judged; 2],
+    /// By each of [`WATCHES`].
+    pub judged: [Judged; WATCHES.len()],
     /// (1) of each defect, runs.
     pub bounds: Vec<f64>,
 }
@@ -132,14 +130,8 @@ pub struct Draw {
 /// # Errors
 /// Simulation or training fails; training chooses no directions.
 pub fn draw(condition: Condition, draw: u32, settings: &Settings) -> Result<Draw, Error> {
+    let bench = Bench::new(condition, draw, settings)?;
     let cell = |purpose, defect| Cell { purpose, repetition: draw, condition, defect };
-    let Fleet { units, sessions } = settings.training;
-    let places = places(0..units, 0..sessions, settings.records);
-    let one = |place: &Place| record(cell(Purpose::Training, Defect::HEALTHY), *place);
-    let set: Vec<LabelledTrace> = places.par_iter().map(one).collect::<Result<_, _>>()?;
-    let trained = train(&set, &["healthy".into()], &recipe_of(condition, &places, settings))?;
-    drop(set);
-    let bench = Bench::of(trained, settings)?;
     let names = &bench.trained.coordinate_names;
     let drives = (0..settings.drives).map(|unit| bench.judge(&cell, unit)).collect::<Result<_, _>>()?;
     let directions = bench.trained.watch.directions.as_ref();
@@ -179,6 +171,8 @@ struct Bench<'a> {
     trained: Trained,
     model: Embedded,
     settings: &'a Settings,
+    /// Number of directions.
+    directions: usize,
     /// Places of the coordinates that a defect raises.
     raised: Vec<usize>,
     /// C of (1) in these, inverted.
@@ -186,7 +180,14 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    fn of(trained: Trained, settings: &'a Settings) -> Result<Self, Error> {
+    /// Simulates the records of training, and trains.
+    fn new(condition: Condition, draw: u32, settings: &'a Settings) -> Result<Self, Error> {
+        let cell = Cell { purpose: Purpose::Training, repetition: draw, condition, defect: Defect::HEALTHY };
+        let Fleet { units, sessions } = settings.training;
+        let places = places(0..units, 0..sessions, settings.records);
+        let set: Vec<LabelledTrace> = places.par_iter().map(|place| record(cell, *place)).collect::<Result<_, _>>()?;
+        let trained = train(&set, &["healthy".into()], &recipe_of(condition, &places, settings))?;
+        drop(set);
         let Some(directions) = &trained.watch.directions else {
             let why = trained.watch.warning.clone().unwrap_or_default();
             return Err(Error::Training(format!("training chose no directions: {why}")));
@@ -196,8 +197,8 @@ impl<'a> Bench<'a> {
         let covariance = covariance(&trained, &raised);
         let singular = || Error::Training("the covariance of the runs is singular".into());
         let precision = covariance.cholesky().ok_or_else(singular)?.inverse();
-        let model = trained.embed()?;
-        Ok(Self { trained, model, settings, raised, precision })
+        let (directions, model) = (directions.list.len(), trained.embed()?);
+        Ok(Self { trained, model, settings, directions, raised, precision })
     }
 
     fn judge(&self, cell: &dyn Fn(Purpose, Defect) -> Cell, unit: u32) -> Result<Judgement, Error> {
@@ -211,28 +212,31 @@ impl<'a> Bench<'a> {
             .collect::<Result<_, _>>()?;
         let usual = self.mean(&all);
         let bounds = observed.iter().map(|runs| self.bound(&(self.mean(runs) - &usual))).collect();
-        let values = |runs: &[Vec<Observed>]| -> Runs {
-            runs.iter().map(|run| run.iter().map(|(record, _)| record.clone()).collect()).collect()
-        };
         let (known, later) = all.split_at(KNOWN);
-        let (known, later) = (values(known), values(later));
-        let defective_runs: Vec<Runs> = observed.iter().map(|runs| values(runs)).collect();
-        let new = Watch::new(&self.trained.watch).ok_or_else(|| Error::Training("no directions".into()))?;
-        let mut learned = new.clone();
-        known.iter().for_each(|run| {
-            one_run(&mut learned, run);
-        });
-        let run_h = f64::from(self.settings.records) * self.segment_s() / 3600.0;
-        let judged = |start: &Watch<'_>, seed: u64| Judged {
-            healthy: healthy(start, &later, (TOTAL, HISTORY), (run_h, seed)),
-            defective: defective_runs
-                .iter()
-                .zip(0..)
-                .map(|(runs, k)| defective(start, runs, HISTORIES, seed + k))
-                .collect(),
-        };
         let seed = u64::from(unit) << 8;
-        Ok(Judgement { judged: [judged(&new, seed), judged(&learned, seed + 1000)], bounds })
+        let history = |place: u64| History { run_h: self.run_h(), seed: seed + 1000 * place };
+        let decided = |run: &[Observed]| run.iter().map(|record| record.decision.clone()).collect();
+        let mut core = Core::new(&self.model);
+        let first_day = judge(&core, (later, &observed), decided, history(0));
+        known.iter().for_each(|run| {
+            core.run(&decided(run));
+        });
+        let learned = judge(&core, (later, &observed), decided, history(1));
+        let banded = |run: &[Observed]| run.iter().map(|record| record.band).collect::<Vec<_>>();
+        let usual = Usual::of(known.iter().map(|run| mean(banded(run).into_iter())));
+        let runs = self.settings.hours / self.run_h();
+        let threshold = judge(&Threshold::new(usual, runs), (later, &observed), banded, history(2));
+        let summed = |run: &[Observed]| run.iter().map(|record| vec![record.band]).collect();
+        let cusum = judge(&Cusum::new(vec![usual], runs), (later, &observed), summed, history(3));
+        let directed = |run: &[Observed]| run.iter().map(|record| record.directed.clone()).collect::<Vec<_>>();
+        let of_direction = |k: usize| known.iter().map(move |run| mean(run.iter().map(|record| record.directed[k])));
+        let usual = (0..self.directions).map(|k| Usual::of(of_direction(k))).collect();
+        let features = judge(&Cusum::new(usual, runs), (later, &observed), directed, history(4));
+        Ok(Judgement { judged: [first_day, learned, threshold, cusum, features], bounds })
+    }
+
+    fn run_h(&self) -> f64 {
+        f64::from(self.settings.records) * self.segment_s() / 3600.0
     }
 
     fn segment_s(&self) -> f64 {
@@ -244,14 +248,15 @@ impl<'a> Bench<'a> {
         let count = self.settings.records;
         let places = places(unit..unit + 1, sessions, count);
         let one = |place: &Place| {
-            let recorded = record(cell, *place)?;
-            Ok(self.model.run(&recorded.trace).iter().map(|segment| self.observed(segment)).collect::<Vec<_>>())
+            let recorded = record(cell, *place)?.trace;
+            let band = band(&recorded);
+            Ok(self.model.run(&recorded).iter().map(|segment| self.observed(segment, band)).collect::<Vec<_>>())
         };
         let records: Vec<Vec<Observed>> = places.par_iter().map(one).collect::<Result<_, Error>>()?;
         Ok(records.chunks(count as usize).map(|run| run.concat()).filter(|run| !run.is_empty()).collect())
     }
 
-    fn observed(&self, segment: &SegmentReport) -> Observed {
+    fn observed(&self, segment: &SegmentReport, band: f64) -> Observed {
         let Trained { feature_names, projection, raw, .. } = &self.trained;
         let names = self.trained.recipe.catalogue().shaft();
         let place = |name: &String| names.iter().position(|(feature, _)| feature == name);
@@ -265,34 +270,42 @@ impl<'a> Bench<'a> {
         let values = DVector::from_iterator(features, feature_names.iter().map(value));
         let variances = DVector::from_iterator(features, feature_names.iter().zip(raw.usual.iter()).map(variance));
         let (z, v) = projection.apply_with(&values, &variances);
-        let directions = self.trained.watch.directions.iter().flat_map(|directions| &directions.list);
-        let record = directions.map(|direction| direction.value(&z, &v)).collect();
-        (record, self.raised.iter().map(|&k| v[k].is_finite().then_some(z[k])).collect())
+        let number = |value: &FeatureValue| if value.is_missing() { f64::NAN } else { value.value.into() };
+        Observed {
+            decision: self.model.decision(segment),
+            directed: (0..self.directions).map(|k| segment.directed.get(k).map_or(f64::NAN, number)).collect(),
+            raised: self.raised.iter().map(|&k| if v[k].is_finite() { z[k] } else { f64::NAN }).collect(),
+            band,
+        }
     }
 
     /// Mean of the raised coordinates over the means of runs.
     fn mean(&self, runs: &[Vec<Observed>]) -> DVector<f64> {
         let of = |k: usize| {
-            let run = |run: &Vec<Observed>| mean(run.iter().filter_map(|(_, z)| z[k]));
-            mean(runs.iter().filter_map(run)).unwrap_or(0.0)
+            let run = |run: &Vec<Observed>| mean(run.iter().map(|record| record.raised[k]));
+            mean(runs.iter().map(run))
         };
         DVector::from_fn(self.raised.len(), |k, _| of(k))
     }
 
     /// (1).
     fn bound(&self, shift: &DVector<f64>) -> f64 {
-        let run_h = f64::from(self.settings.records) * self.segment_s() / 3600.0;
         let information = 0.5 * shift.dot(&(&self.precision * shift));
-        (self.settings.hours / run_h).ln() / information
+        (self.settings.hours / self.run_h()).ln() / information
     }
 }
 
-/// A record: the values of the directions, and those of the raised coordinates.
-type Observed = (Record, Vec<Option<f64>>);
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0_f64));
-    (count > 0.0).then(|| sum / count)
+/// What is known of a record; a value that is missing is not a number.
+#[derive(Clone, Debug)]
+struct Observed {
+    /// The core's decision.
+    decision: Option<Decision<RunTime>>,
+    /// Values of the directions.
+    directed: Vec<f64>,
+    /// Those of the raised coordinates.
+    raised: Vec<f64>,
+    /// The band of its residual.
+    band: f64,
 }
 
 /// C of (1): run means of these coordinates less those of their drive, over the training records.
@@ -303,10 +316,10 @@ fn covariance(trained: &Trained, raised: &[usize]) -> DMatrix<f64> {
     order.dedup();
     let of_run = |run: usize| {
         let rows = || (0..runs.len()).filter(move |&row| runs[row] == run);
-        let value_of =
-            |k: &usize| mean(rows().filter(|&row| table.variances[row][*k].is_finite()).map(|row| table.rows[row][*k]));
-        let values: Option<Vec<f64>> = raised.iter().map(value_of).collect();
-        values.map(|values| (units[run].as_str(), DVector::from_vec(values)))
+        let present = |k: usize| rows().filter(move |&row| table.variances[row][k].is_finite());
+        let values: Vec<f64> = raised.iter().map(|&k| mean(present(k).map(|row| table.rows[row][k]))).collect();
+        let complete = values.iter().all(|value| value.is_finite());
+        complete.then(|| (units[run].as_str(), DVector::from_vec(values)))
     };
     let means: Vec<(&str, DVector<f64>)> = order.into_iter().filter_map(of_run).collect();
     let mut sum = DMatrix::zeros(raised.len(), raised.len());

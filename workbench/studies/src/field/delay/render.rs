@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::judge::LONGEST;
-use super::{Draw, FalseAlarms, Judgement, KNOWN, Outcome, Settings, defects};
+use super::{Draw, FalseAlarms, Judgement, KNOWN, Outcome, Settings, WATCHES, defects};
 use crate::campaign::render::grid;
 use model::evaluate::Rate;
 use rig::{Defect, DefectKind};
@@ -66,13 +66,13 @@ pub(super) fn delay(outcomes: &[Outcome], right: impl Fn(usize) -> bool) -> Dela
     }
 }
 
-/// The delay of a defect in the draws of one condition; the first day, or known.
-fn delay_of(draws: &[&Draw], (state, place): (usize, usize), defect: Defect) -> Delay {
+/// The delay of a defect in the draws of one condition by one of the watches.
+fn delay_of(draws: &[&Draw], (watch, place): (usize, usize), defect: Defect) -> Delay {
     // Directions differ from draw to draw: whether one is right is asked of its own.
     let is_order = defect.kind == DefectKind::Spall;
     let mut all: Vec<Outcome> = vec![];
     for draw in draws {
-        let of_drive = |drive: &Judgement| drive.judged[state].defective[place].clone();
+        let of_drive = |drive: &Judgement| drive.judged[watch].defective[place].clone();
         let outcomes = draw.drives.iter().flat_map(of_drive);
         all.extend(outcomes.map(|outcome| Outcome {
             direction: outcome.direction.map(|k| usize::from(draw.orders.get(k) == Some(&is_order))),
@@ -112,9 +112,9 @@ fn by_condition(all: &[Draw]) -> Vec<(&'static str, Vec<&Draw>)> {
     conditions
 }
 
-fn hours_of(draws: &[&Draw], state: usize, set: f64) -> Hours {
+fn hours_of(draws: &[&Draw], watch: usize, set: f64) -> Hours {
     let all: Vec<FalseAlarms> =
-        draws.iter().flat_map(|draw| &draw.drives).map(|drive| drive.judged[state].healthy).collect();
+        draws.iter().flat_map(|draw| &draw.drives).map(|drive| drive.judged[watch].healthy).collect();
     hours(&all, set)
 }
 
@@ -125,38 +125,33 @@ pub fn text(all: &[Draw], settings: &Settings) -> String {
 }
 
 fn of_condition(condition: &str, draws: &[&Draw], settings: &Settings) -> String {
-    let states = ["first day".to_string(), format!("{KNOWN} runs of its own")];
     let title = format!("{condition}: hours between false alarms, set to {} h", settings.hours);
-    let row = |(state, name): (usize, &String)| {
+    let row = |(watch, name): (usize, &&str)| {
         let Hours { below: [below, of], median, worst, pooled: [mean, low, high] } =
-            hours_of(draws, state, settings.hours);
+            hours_of(draws, watch, settings.hours);
         let part = Rate::wilson(below, of);
         let share = format!("{below} of {of} [{:.0}, {:.0}] %", 100.0 * part.low, 100.0 * part.high);
         let high = if high.is_finite() { format!("{high:.0}") } else { "∞".into() };
         let pooled = format!("{mean:.0} [{low:.0}, {high}]");
-        vec![name.clone(), share, format!("{worst:.0}"), format!("{median:.0}"), pooled]
+        vec![(*name).to_owned(), share, format!("{worst:.0}"), format!("{median:.0}"), pooled]
     };
-    let rows: Vec<Vec<String>> = states.iter().enumerate().map(row).collect();
+    let rows: Vec<Vec<String>> = WATCHES.iter().enumerate().map(row).collect();
     let head = ["", "drives below [95 %]", "worst drive", "median drive", "all [95 %]"];
     let mut text = grid(&title, &head, &rows);
-    let title = format!(
-        "{condition}: runs until the alarm, median / 90 % (within {SOON} runs, % | of alarms by the right direction, %)"
-    );
+    let title = format!("{condition}: runs until the alarm, median / 90 % (within {SOON} runs, %)");
     let row = |(place, defect): (usize, Defect)| {
-        let cell = |state: usize| {
-            let delay = delay_of(draws, (state, place), defect);
-            let right = if delay.median.is_some() || delay.soon > 0.0 {
-                format!("{:.0}", 100.0 * delay.right)
-            } else {
-                "–".into()
-            };
-            format!("{} / {} ({:.0} | {right})", runs(delay.median), runs(delay.most), 100.0 * delay.soon)
+        let cell = |watch: usize| {
+            let delay = delay_of(draws, (watch, place), defect);
+            format!("{} / {} ({:.0})", runs(delay.median), runs(delay.most), 100.0 * delay.soon)
         };
         let [median, worst] = bounds(draws, place);
-        vec![name(defect), cell(0), cell(1), format!("{median:.1} ({worst:.1})")]
+        let right = delay_of(draws, (1, place), defect);
+        let named = if right.soon > 0.0 { format!("{:.0}", 100.0 * right.right) } else { "–".into() };
+        let cells = (0..WATCHES.len()).map(cell);
+        std::iter::once(name(defect)).chain(cells).chain([format!("{median:.1} ({worst:.1})"), named]).collect()
     };
     let rows: Vec<Vec<String>> = defects().into_iter().enumerate().map(row).collect();
-    let head = ["", &states[0], &states[1], "bound (worst drive)"];
+    let head: Vec<&str> = [""].into_iter().chain(WATCHES).chain(["bound (worst drive)", "named right, %"]).collect();
     text += &grid(&title, &head, &rows);
     for draw in draws {
         text += &format!("{condition} watches {}\n", draw.directions);
@@ -167,17 +162,18 @@ fn of_condition(condition: &str, draws: &[&Draw], settings: &Settings) -> String
 /// Key `rows`, one for each condition.
 #[must_use]
 pub fn to_json(all: &[Draw], settings: &Settings) -> Value {
-    let of_state = |draws: &[&Draw], state: usize| {
-        let Hours { below, median, worst, pooled } = hours_of(draws, state, settings.hours);
+    let by_watch = |draws: &[&Draw], watch: usize| {
+        let Hours { below, median, worst, pooled } = hours_of(draws, watch, settings.hours);
         let form = |(place, defect): (usize, Defect)| {
-            let Delay { median, most, soon, right } = delay_of(draws, (state, place), defect);
+            let Delay { median, most, soon, right } = delay_of(draws, (watch, place), defect);
             json!({
                 "kind": defect.kind.name(), "size": defect.severity, "median": median, "most": most, "soon": soon,
                 "right": right, "bound": bounds(draws, place)[0],
             })
         };
         json!({
-            "own_runs": if state == 0 { 0 } else { KNOWN },
+            "watch": WATCHES[watch],
+            "own_runs": if watch == 0 { 0 } else { KNOWN },
             "drives_below": below[0],
             "drives": below[1],
             "median_h": median,
@@ -188,8 +184,8 @@ pub fn to_json(all: &[Draw], settings: &Settings) -> Value {
     };
     let row = |(condition, draws): &(&str, Vec<&Draw>)| {
         let words: Vec<&String> = draws.iter().map(|draw| &draw.directions).collect();
-        json!({ "condition": condition, "set_h": settings.hours, "directions": words,
-                "states": [of_state(draws, 0), of_state(draws, 1)] })
+        let watches: Vec<Value> = (0..WATCHES.len()).map(|watch| by_watch(draws, watch)).collect();
+        json!({ "condition": condition, "set_h": settings.hours, "directions": words, "watches": watches })
     };
     json!({ "rows": by_condition(all).iter().map(row).collect::<Vec<_>>() })
 }
