@@ -2,7 +2,7 @@
 
 use bearing_watch::alarm::Contribution;
 
-use crate::conclusion::replay::Conclusion;
+use crate::conclusion::replay::{Conclusion, USUAL};
 use crate::page::{counted, linked, or_reason, paragraph};
 use crate::plot::{self, Event, Panel, Segment, Series};
 use crate::segments::{Judged, Limits, evidence, strips};
@@ -70,7 +70,7 @@ fn runs(model: &Embedded, conclusion: &Conclusion) -> String {
     let all: Vec<Series> = now.iter().enumerate().map(series).collect();
     let chart = plot::lines("Features over the runs", "run", "above the usual mean of this drive / sd of runs", &all);
     let row = |one: &Contribution| {
-        let since = usize::try_from(one.since).ok().filter(|_| one.score > 0.0);
+        let since = usize::try_from(one.since).ok().filter(|_| one.deviations >= USUAL);
         let since = since.map_or_else(|| "–".into(), |segment| conclusion.place(segment).to_owned());
         let name = model.direction_name(conclusion.orders(), one.direction);
         vec![name, format!("{:+.1}", one.deviations), format!("{:.1}", one.score), since]

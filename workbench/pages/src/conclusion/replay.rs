@@ -52,7 +52,7 @@ struct Raised {
 }
 
 /// A run this many deviations above the drive's usual mean is not as usual.
-const USUAL: f32 = 3.0;
+pub(crate) const USUAL: f32 = 3.0;
 
 impl<'a> Conclusion<'a> {
     /// Before the first trace; `orders` are the names of the tracked orders.
