@@ -122,9 +122,7 @@ pub mod internals {
     pub use crate::alarm::trend::MAX_TREND_SEGMENTS;
     pub use crate::decide::{Classification, MAX_SURPRISE};
     pub use crate::detector::{Solver, conclude};
-    pub use crate::regression::estimate::{
-        Alone, Detached, Estimator, RegressionSolve, RegressionSums, Steps, is_stable,
-    };
+    pub use crate::regression::estimate::{Alone, Detached, Estimator, RegressionSolve, RegressionSums, is_stable};
     pub use crate::regression::factor::{
         Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle,
     };
