@@ -90,14 +90,14 @@ fn boot(flash: &mut Flash) -> Result<(Model<Drive>, Evidence<Drive>), Error> {
         }
         Err(error) => return Err(error),
     };
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(&model);
     let states = SlotPair::<64>::new(flash, 2 * SLOT, SLOT, RecordKind::State)?;
     let restored = states.load(flash, &mut buffer, |record, bytes| {
         if let Some(newer) = record.passed_over() {
             // An older state may lack an alarm: a drive tells it, and has the machine inspected.
             say!("  the newest record is not used: {newer:?}");
         }
-        Some((record.counter, model.restore(bytes, &mut evidence, None)))
+        Some((record.counter, evidence.restore(&model, bytes, None)))
     });
     match restored {
         Ok((counter, Ok(()))) => say!("  state of record {counter}: {} segments", evidence.segments().0),
@@ -122,7 +122,7 @@ fn watch(model: &Model<Drive>, evidence: &mut Evidence<Drive>) {
 /// Saves the state at power-down.
 fn save(flash: &mut Flash, model: &Model<Drive>, evidence: &Evidence<Drive>) -> Result<(), Error> {
     let mut buffer = [0; 256];
-    let Ok(length) = model.save(evidence, None, &mut buffer) else { return Err(StorageError::NoRecord) };
+    let Ok(length) = evidence.save(model, None, &mut buffer) else { return Err(StorageError::NoRecord) };
     let states = SlotPair::<64>::new(flash, 2 * SLOT, SLOT, RecordKind::State)?;
     let label = RecordLabel { model: model.id(), drive: DRIVE };
     states.store(flash, &label, buffer.get(..length).unwrap_or_default())?;

@@ -182,24 +182,24 @@ impl LeastSquares {
     }
 
     fn solve() -> Self {
-        let (mut own, mut numbers) = (Self::default(), Numbers(4));
+        let (mut result, mut numbers) = (Self::default(), Numbers(4));
         let mut triangle = Triangle::<[f32; 4], [f32; 6]>::new(4);
         for _ in 0..30 {
             triangle.update(&Self::row(&mut numbers), 1.0);
         }
         let (d, r) = triangle.parts_mut();
-        for (own, part) in own.factor.iter_mut().zip(d.iter().chain(r.iter())) {
-            *own = *part;
+        for (cell, part) in result.factor.iter_mut().zip(d.iter().chain(r.iter())) {
+            *cell = *part;
         }
         let mass = Mass { rows: 30.0, spread: 1.0 };
         let problem = &mut Problem { d, r, inputs: 3, outputs: 0, scale: &Self::SCALE, base: &[], mass, gain: 1.0 };
-        let (delta, covariance, variance) = (&mut own.delta, &mut own.covariance, &mut own.variance);
+        let (delta, covariance, variance) = (&mut result.delta, &mut result.covariance, &mut result.variance);
         let solved = &mut Solved { delta, covariance, variance, work: &mut [0.0; 3] };
         // The rows are independent; a refusal leaves zeros, whose hash is another one.
         if let Ok(mut solution) = Solution::new::<false>(problem, solved) {
             while !solution.add_column::<false>(problem, solved) {}
         }
-        own
+        result
     }
 
     fn factor() -> u32 {
@@ -209,10 +209,10 @@ impl LeastSquares {
     }
 
     fn solution() -> u32 {
-        let (own, mut hash) = (Self::solve(), Hash::NEW);
-        hash.add(&own.delta);
-        hash.add(&own.covariance);
-        hash.add(&[own.variance]);
+        let (result, mut hash) = (Self::solve(), Hash::NEW);
+        hash.add(&result.delta);
+        hash.add(&result.covariance);
+        hash.add(&[result.variance]);
         hash.0
     }
 }
@@ -256,12 +256,12 @@ mod tests {
             let rest: f64 = (i + 1..3).map(|j| gram[i][j] * exact[j]).sum();
             exact[i] = (right[i] - rest) / gram[i][i];
         }
-        let own = LeastSquares::solve();
-        for ((found, scale), exact) in own.delta.iter().zip(LeastSquares::SCALE).zip(exact) {
+        let result = LeastSquares::solve();
+        for ((parameter, scale), exact) in result.delta.iter().zip(LeastSquares::SCALE).zip(exact) {
             // A parameter is scaled as its column. Rounding of 30 rows; a row has a part of 3 % in each sum.
-            assert!((f64::from(found / scale) - exact).abs() < 1e-5, "{own:?} {exact}");
+            assert!((f64::from(parameter / scale) - exact).abs() < 1e-5, "{result:?} {exact}");
         }
         // σ² of e, uniform in ±1/10: a third of a hundredth; 27 degrees of freedom scatter it by up to 60 %.
-        assert!((own.variance / (0.01 / 3.0) - 1.0).abs() < 0.6, "{own:?}");
+        assert!((result.variance / (0.01 / 3.0) - 1.0).abs() < 0.6, "{result:?}");
     }
 }

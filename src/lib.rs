@@ -37,9 +37,10 @@
 //! decide         ▼ features ─► covariates ─► projection ─► discriminant, gates ◄───────────┘
 //!             Decision ─► Verdict
 //! alarm       Evidence ─► Alarm, Trend;   Baseline: follows slow changes, on request
-//!             Commissioning: a healthy class learned on the drive, on request;   alarm and baseline as bytes
+//!             HealthyClass: learned on the drive, on request
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    Detector, of the interrupt: samples ─► Segment;   Monitor, of the main loop: Segment ─► Report, Alarm
+//!             alarm and baseline as bytes;   Commissioning: reports of the healthy drive ─► its own Model, on request
 //! storage     records in flash that survive power-off
 //! telemetry   reports and samples as frames for a serial line, and their decoder
 //! signature   signed models, and saved states under a key of the drive
@@ -103,7 +104,7 @@ mod unroll;
 
 pub use alarm::evidence::{Alarm, Cause, Evidence};
 pub use decide::Decision;
-pub use detector::{Conclusion, Detector, Following, Monitor, Segment, Surroundings};
+pub use detector::{Commissioning, Conclusion, Detector, Following, Monitor, Segment, Surroundings};
 pub use known_answers::{arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};
@@ -122,9 +123,7 @@ pub mod internals {
     pub use crate::alarm::trend::MAX_TREND_SEGMENTS;
     pub use crate::decide::{Classification, MAX_SURPRISE};
     pub use crate::detector::{Solver, conclude};
-    pub use crate::regression::estimate::{
-        Alone, Detached, Estimator, RegressionSolve, RegressionSums, Steps, is_stable,
-    };
+    pub use crate::regression::estimate::{Alone, Detached, Estimator, RegressionSolve, RegressionSums, is_stable};
     pub use crate::regression::factor::{
         Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle,
     };

@@ -13,41 +13,14 @@
 macro_rules! unrolled {
     (let $pattern:pat = $value:expr => $pass:block) => {
         'passes: {
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
-            if let $pattern = $value $pass else { break 'passes }
+            unrolled!(32: if let $pattern = $value $pass else { break 'passes });
             while let $pattern = $value $pass
         }
     };
+    (32: $($pass:tt)*) => { unrolled!(16: $($pass)*); unrolled!(16: $($pass)*); };
+    (16: $($pass:tt)*) => { unrolled!(8: $($pass)*); unrolled!(8: $($pass)*); };
+    (8: $($pass:tt)*) => { unrolled!(4: $($pass)*); unrolled!(4: $($pass)*); };
+    (4: $($pass:tt)*) => { $($pass)* $($pass)* $($pass)* $($pass)* };
 }
 
 pub(crate) use unrolled;

@@ -62,7 +62,7 @@ pub fn shortened<P: Plan>(model: &Model<P>, segment_samples: u32) -> Model<P> {
 /// A baseline, if the model has a healthy class.
 #[must_use]
 pub fn baseline<P: Plan>(model: &Model<P>) -> Option<Baseline<P>> {
-    model.baseline(BaselineConstants::new(20.0, 2.0))
+    Baseline::new(model, BaselineConstants::new(20.0, 2.0))
 }
 
 /// Number of kinds of regressions of [`regression`].

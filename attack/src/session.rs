@@ -1,11 +1,11 @@
 //! Calls of a detector, and of all that belongs to it, in any order.
 
-use bearing_watch::alarm::{Baseline, Commissioning};
+use bearing_watch::alarm::Baseline;
 use bearing_watch::drive::RotorFrame;
 use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::model::CommissioningConstants;
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Verdict};
+use bearing_watch::{Angle, Commissioning, Detector, Evidence, Model, Report, Segment, Verdict};
 
 use crate::input::Input;
 use crate::models::{baseline, numbers::Numbers};
@@ -24,7 +24,7 @@ struct Session<'m, P: Plan> {
     detector: Detector<'m, P>,
     evidence: Evidence<P>,
     baseline: Option<Baseline<P>>,
-    commissioning: Option<Commissioning<P>>,
+    commissioning: Option<Commissioning<'m, P>>,
     /// Of ordinary samples.
     numbers: Numbers,
     angle: Angle,
@@ -37,9 +37,9 @@ pub fn run<P: Plan>(model: &Model<P>, input: &mut Input<'_>) {
     let mut session = Session {
         model,
         detector: Detector::new(model),
-        evidence: model.evidence(),
+        evidence: Evidence::new(model),
         baseline: baseline(model),
-        commissioning: model.commissioning(CommissioningConstants::new(2, 3.0)).ok(),
+        commissioning: Commissioning::new(model, CommissioningConstants::new(2, 3.0)).ok(),
         numbers: Numbers(u32::from(input.byte())),
         angle: Angle::ZERO,
         left: ORDINARY,
@@ -155,13 +155,16 @@ impl<P: Plan> Session<'_, P> {
         self.evidence.observe(report.decision.as_ref());
         finite::evidence(&self.evidence);
         if let Some(commissioning) = &mut self.commissioning {
-            let _refused = self.model.gather(commissioning, report);
-            if let Ok(own) = self.model.commissioned(commissioning) {
-                assert!(Model::new(own.plan(), own.constants().clone()).is_ok(), "a commissioned model is a good one");
+            let _refused = commissioning.take(report);
+            if let Ok(learned) = commissioning.model() {
+                assert!(
+                    Model::new(learned.plan(), learned.constants().clone()).is_ok(),
+                    "a commissioned model is a good one"
+                );
             }
         }
         if let Some(baseline) = &mut self.baseline {
-            self.model.follow(baseline, report);
+            baseline.follow(self.model, report);
             finite::report(report);
             assert!(baseline.offset().iter().all(|offset| offset.is_finite()), "{:?}", baseline.offset());
         }
@@ -170,10 +173,10 @@ impl<P: Plan> Session<'_, P> {
     /// Saves and restores the state, also with changed bytes under a right checksum.
     fn save(&mut self, input: &mut Input<'_>) {
         let mut buffer = [0; STATE];
-        let Ok(length) = self.model.save(&self.evidence, self.baseline.as_ref(), &mut buffer) else { return };
+        let Ok(length) = self.evidence.save(self.model, self.baseline.as_ref(), &mut buffer) else { return };
         let bytes = &mut buffer[..length];
         let before = (self.evidence.score().to_bits(), self.evidence.segments(), self.evidence.alarm());
-        let restored = self.model.restore(bytes, &mut self.evidence, self.baseline.as_mut());
+        let restored = self.evidence.restore(self.model, bytes, self.baseline.as_mut());
         assert_eq!(restored, Ok(()), "what was saved is restored");
         assert_eq!(before, (self.evidence.score().to_bits(), self.evidence.segments(), self.evidence.alarm()));
         for _ in 0..input.byte() % 8 {
@@ -183,7 +186,7 @@ impl<P: Plan> Session<'_, P> {
             checksum::put(bytes);
         }
         let kept = self.evidence.clone();
-        if self.model.restore(bytes, &mut self.evidence, self.baseline.as_mut()).is_err() {
+        if self.evidence.restore(self.model, bytes, self.baseline.as_mut()).is_err() {
             assert!(self.evidence == kept, "nothing changes in case of an error");
         }
         finite::evidence(&self.evidence);

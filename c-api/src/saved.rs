@@ -1,5 +1,6 @@
 //! The state of the alarm as bytes, so that it survives power-off.
 
+use bearing_watch::Evidence;
 use bearing_watch::alarm::StateError;
 
 use crate::code::{BwCode, code};
@@ -13,9 +14,9 @@ use crate::state::BwState;
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize) -> BwCode {
     // SAFETY: the same contract.
-    let found = unsafe { at(state) }.map(|state| state.model.saved_len());
+    let size = unsafe { at(state) }.map(|state| Evidence::saved_len(&state.model));
     // SAFETY: the same contract.
-    code(found.and_then(|found| unsafe { put(length, found) }).map(|()| BwCode::Ok))
+    code(size.and_then(|size| unsafe { put(length, size) }).map(|()| BwCode::Ok))
 }
 
 /// Writes alarm, scores and trend into `bytes`, to be stored where they survive power-off. Call `bw_end_run` before, at
@@ -32,11 +33,12 @@ pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: 
     // SAFETY: the same contract.
     code(unsafe { at(state) }.and_then(|state| {
         check(bytes)?;
-        if capacity < state.model.saved_len() {
+        let size = Evidence::saved_len(&state.model);
+        if capacity < size {
             return Err(BwCode::BufferTooSmall);
         }
         // SAFETY: writable by the contract; no other reference to them exists during this call.
-        let buffer = unsafe { elements_mut(bytes, state.model.saved_len()) }?;
+        let buffer = unsafe { elements_mut(bytes, size) }?;
         state.settled(|monitor| monitor.save_within_run(buffer))?.map_err(refusal)?;
         Ok(BwCode::Ok)
     }))

@@ -145,7 +145,7 @@ fn compare<P: Plan>(model: &Model<P>, samples: impl Iterator<Item = P::Sample>) 
     let [first, second, third] = &mut memories;
     let ways = [(Way::AtOnce, first), (Way::Whole, second), (Way::Steps, third)]
         .map(|(way, memory)| (way, memory.state(&bytes).expect("a model that fits")));
-    let (mut detector, mut evidence, mut reports) = (Detector::new(model), model.evidence(), 0);
+    let (mut detector, mut evidence, mut reports) = (Detector::new(model), Evidence::new(model), 0);
     for sample in samples {
         let report = detector.step(&sample);
         for (way, state) in ways {

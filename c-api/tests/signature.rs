@@ -88,7 +88,7 @@ fn each_refusal_has_its_code_and_the_text_of_rust() {
     let block = FILE.len();
     let refusals = [
         (verify(FILE, &[key], 0), BwCode::SignatureMissing, SignatureError::Unsigned),
-        (Err(changed(block + 4, 2)), BwCode::SignatureVersion, SignatureError::Version { found: 2, supported: 1 }),
+        (Err(changed(block + 4, 2)), BwCode::SignatureVersion, SignatureError::Version { given: 2, supported: 1 }),
         (Err(changed(block + 6, 1)), BwCode::SignatureFormat, SignatureError::Format),
         (verify(&good[..good.len() - 1], &[key], 0), BwCode::SignatureTruncated, SignatureError::Truncated),
         (verify(&good, &[*other.pk], 0), BwCode::SignatureKey, SignatureError::UnknownKey),
@@ -97,7 +97,7 @@ fn each_refusal_has_its_code_and_the_text_of_rust() {
         (
             verify(&good, &[key], COUNTER + 1),
             BwCode::SignatureOlder,
-            SignatureError::Older { found: COUNTER, least: COUNTER + 1 },
+            SignatureError::Older { given: COUNTER, least: COUNTER + 1 },
         ),
     ];
     for (found, code, error) in refusals {

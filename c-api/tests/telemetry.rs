@@ -28,7 +28,7 @@ use bearing_watch::{Detector, Evidence};
 use bearing_watch_c::*;
 
 use drive::{raw, raw_for_c};
-use standard_rig::model::{Drive, MODEL};
+use standard_rig::model::MODEL;
 use support::{FILE, Memory, channels};
 
 const SOURCE: Source = Source { model_id: 7, session: 9 };
@@ -107,7 +107,7 @@ fn frames_are_those_of_the_core() {
     let state = memory.state(FILE).expect("good model");
     let (line, recorder) = (room.line(state).expect("a line"), room.recorder(state).expect("a recorder"));
     let mut detector = Detector::new(&MODEL);
-    let mut evidence: Evidence<Drive> = MODEL.evidence();
+    let mut evidence = Evidence::new(&MODEL);
     let mut encoder = Encoder::new(&MODEL, SOURCE);
     let mut own = Recorder::<_, BLOCK>::new(MODEL.plan());
     let mut buffer = [0; BW_FRAME_SIZE];

@@ -4,7 +4,7 @@ use bearing_watch::telemetry::{Encoder, Recorder, Source, TooSmall};
 use bearing_watch::{Detector, Evidence};
 
 use super::standard_rig;
-use super::standard_rig::model::{Drive, MODEL};
+use super::standard_rig::model::MODEL;
 
 /// Bytes of a block: 40 samples of 12 bytes.
 const BLOCK: usize = 480;
@@ -14,7 +14,7 @@ pub const TRACE: u32 = 5000;
 /// Sends a hello before each of the recorded traces, their samples, and a report of each.
 pub fn run(mut send: impl FnMut(&[u8])) -> Result<(), TooSmall> {
     let mut monitor = Detector::new(&MODEL);
-    let mut evidence: Evidence<Drive> = MODEL.evidence();
+    let mut evidence = Evidence::new(&MODEL);
     // A drive counts its power-ups.
     let mut encoder = Encoder::new(&MODEL, Source { model_id: 1, session: 1 });
     let mut recorder = Recorder::<_, BLOCK>::new(MODEL.plan());

@@ -63,8 +63,7 @@ const MOST_BOUND: f32 = 100.0;
 /// An offset at its bound may exceed it by roundings of its length.
 const ROUNDING: f32 = 1.0 + 1e-5;
 
-/// Running state of the baseline. [`Model::baseline`](crate::Model::baseline) makes it, and
-/// [`Model::follow`](crate::Model::follow) applies it to each report, before the evidence.
+/// Running state of the baseline, which is applied to each report before the evidence.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Baseline<P: Plan> {
@@ -88,7 +87,7 @@ pub enum BaselineMismatch {
 
 impl<P: Plan> Baseline<P> {
     /// Without any offset; `None` if a constant is out of range.
-    pub(crate) fn new(plan: P, novelty: &Novelty<P>, constants: BaselineConstants) -> Option<Self> {
+    pub(crate) fn without_offset(plan: P, novelty: &Novelty<P>, constants: BaselineConstants) -> Option<Self> {
         let (factor, offset) = (novelty.factor.clone(), Cells::filled(plan.layout().coordinates as usize, 0.0));
         constants.are_good().then_some(Self { constants, factor, offset, at_bound: false, model: UNMARKED })
     }

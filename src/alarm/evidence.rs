@@ -111,8 +111,7 @@ pub struct Alarm {
     pub cause: Cause,
 }
 
-/// Running state of the alarm. [`Model::evidence`](crate::Model::evidence) makes it; it takes the decision of each
-/// report.
+/// Running state of the alarm; it takes the decision of each report.
 ///
 /// Without a healthy class in the model there is never an alarm.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,7 +148,12 @@ struct Score {
 }
 
 impl<P: Plan> Evidence<P> {
-    pub(crate) fn new(plan: P, constants: EvidenceConstants, directions: &Directions<P>, healthy: Option<u8>) -> Self {
+    pub(crate) fn empty(
+        plan: P,
+        constants: EvidenceConstants,
+        directions: &Directions<P>,
+        healthy: Option<u8>,
+    ) -> Self {
         let classes = plan.layout().classes as usize;
         Self {
             constants,
@@ -243,16 +247,16 @@ impl<P: Plan> Evidence<P> {
         let healthy = log_likelihoods.get(healthy_class).copied().unwrap_or(f32::NAN);
         let cap = self.constants.cap;
         let mut largest = f32::NEG_INFINITY;
-        for ((k, own), beyond) in log_likelihoods.iter().enumerate().zip(decision.beyond()) {
-            largest = if k == healthy_class || *beyond { largest } else { largest.max(*own) };
+        for ((k, likelihood), beyond) in log_likelihoods.iter().enumerate().zip(decision.beyond()) {
+            largest = if k == healthy_class || *beyond { largest } else { largest.max(*likelihood) };
         }
         let states = self.defects.cells_mut().iter_mut().zip(self.support.cells_mut());
         let classes = log_likelihoods.iter().enumerate().zip(decision.beyond());
-        for (((k, own), beyond), (score, support)) in classes.zip(states) {
+        for (((k, likelihood), beyond), (score, support)) in classes.zip(states) {
             if k != healthy_class {
-                let ratio = own - healthy; // (2)
+                let ratio = likelihood - healthy; // (2)
                 score.add(if ratio.is_nan() { 0.0 } else { ratio.min(if *beyond { 0.0 } else { cap }) });
-                let behind = if *beyond { f32::NEG_INFINITY } else { own - largest };
+                let behind = if *beyond { f32::NEG_INFINITY } else { likelihood - largest };
                 // Capped too, so that one disturbed segment does not outweigh the others.
                 *support += if behind.is_nan() { 0.0 } else { behind.max(-cap) };
             }

@@ -8,7 +8,7 @@
 use super::classifier::Classifier;
 use super::discriminant::Decision;
 use super::features::{Estimates, FeatureValue};
-use crate::plan::{Array, Cells, Kind, Plan};
+use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
 use crate::regression::factor::{numbered, pairs};
 
@@ -136,24 +136,10 @@ impl<P: Plan> Classification<P> {
         if available { Ok(()) } else { Err(reason.unwrap_or(Reason::NotFinite(Part::Classifier))) }
     }
 
-    /// Log-likelihoods, posteriors and class, and whether the segment is beyond the gate of each class. The classes of
-    /// a linear discriminant share the factor.
-    #[inline(never)]
+    /// Log-likelihoods, posteriors and class, and whether the segment is beyond the gate of each class.
     fn compare(&self, plan: P, classifier: &Classifier<P>, decision: &mut Decision<P>) -> Result<(), Reason> {
-        let (kind, discriminant) = (plan.layout().discriminant, &classifier.discriminant);
         let (z, variances) = self.coordinates();
-        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(plan.layout().classes as usize, 0.0);
-        let mut density = discriminant.density(kind, z.len(), variances, 0);
-        let cells = likelihoods.cells_mut().iter_mut().zip(decision.beyond.cells_mut());
-        for (class, (likelihood, beyond)) in (0..u8::MAX).zip(cells) {
-            if kind == Kind::Quadratic && class > 0 {
-                density = discriminant.density(kind, z.len(), variances, class as usize);
-            }
-            let squared = discriminant.squared_distance(&density, z, class as usize);
-            *likelihood = density.log_density(squared);
-            *beyond = classifier.novelty.excludes(class, squared, [density.available(), z.len()]);
-        }
-        let decided = discriminant.decide(likelihoods.cells(), decision);
+        let decided = classifier.compare(plan, z, variances, decision);
         if decided { Ok(()) } else { Err(Reason::NotFinite(Part::Classifier)) }
     }
 

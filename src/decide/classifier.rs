@@ -6,7 +6,7 @@ use super::features::Feature;
 use super::gates::Novelty;
 use super::projection::Projection;
 use super::verdict::Verdict;
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, Kind, Plan};
 
 /// The trained constants of the classifier.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,23 +38,32 @@ impl<P: Plan> Classifier<P> {
     /// coordinates without a variance. `None` if no likelihood is finite.
     #[must_use]
     pub fn decide_at(&self, plan: P, coordinates: &[f32], variances: &[f32]) -> Option<Decision<P>> {
-        let layout = plan.layout();
-        let classes = layout.classes as usize;
-        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(classes, 0.0);
-        let mut beyond: Array<P::Classes, bool> = Cells::filled(classes, false);
-        let mut class = 0_u8;
-        for (likelihood, beyond) in likelihoods.cells_mut().iter_mut().zip(beyond.cells_mut()) {
-            let place = class as usize;
-            let density = self.discriminant.density(layout.discriminant, coordinates.len(), variances, place);
-            let squared = self.discriminant.squared_distance(&density, coordinates, place);
-            *likelihood = density.log_density(squared);
-            *beyond = self.novelty.excludes(class, squared, [density.available(), coordinates.len()]);
-            class = class.wrapping_add(1);
+        let mut decision = Decision::empty(plan);
+        if !self.compare(plan, coordinates, variances, &mut decision) {
+            return None;
         }
-        let mut decision = self.decide(plan, likelihoods.cells(), 0.0)?;
-        decision.beyond = beyond;
         decision.depart(self.novelty.judge(coordinates, variances));
         Some(decision)
+    }
+
+    /// Log-likelihoods, posteriors and class at coordinates whose errors have these variances, and whether they are
+    /// beyond the gate of each class; `false` if no likelihood is finite. The classes of a linear discriminant share
+    /// the factor.
+    #[inline(never)]
+    pub(super) fn compare(&self, plan: P, z: &[f32], variances: &[f32], decision: &mut Decision<P>) -> bool {
+        let (kind, discriminant) = (plan.layout().discriminant, &self.discriminant);
+        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(plan.layout().classes as usize, 0.0);
+        let mut density = discriminant.density(kind, z.len(), variances, 0);
+        let cells = likelihoods.cells_mut().iter_mut().zip(decision.beyond.cells_mut());
+        for (class, (likelihood, beyond)) in (0..u8::MAX).zip(cells) {
+            if kind == Kind::Quadratic && class > 0 {
+                density = discriminant.density(kind, z.len(), variances, class as usize);
+            }
+            let squared = discriminant.squared_distance(&density, z, class as usize);
+            *likelihood = density.log_density(squared);
+            *beyond = self.novelty.excludes(class, squared, [density.available(), z.len()]);
+        }
+        discriminant.decide(likelihoods.cells(), decision)
     }
 
     /// Compares a decision with the limits. Novelty is checked before ambiguity, so that the false-alarm rate is the

@@ -134,7 +134,7 @@ impl<P: Plan> Decision<P> {
 
     /// Sets [`Decision::beyond`], for decisions that a program makes of several segments.
     pub fn set_beyond(&mut self, beyond: &[bool]) {
-        pairs(self.beyond.cells_mut(), beyond).for_each(|(cell, own)| *cell = *own);
+        pairs(self.beyond.cells_mut(), beyond).for_each(|(cell, is_beyond)| *cell = *is_beyond);
     }
 
     /// Whether each feature was missing, in the order of the classifier's features.
@@ -299,13 +299,13 @@ mod tests {
         let d = two(Kind::Linear);
         for variance in [0.0_f32, 1.0, 15.0, f32::INFINITY] {
             let odds = (2.0 / (1.0 + variance)).exp();
-            let found = decide_with(&d, [0.0, 7.0], [variance, 0.0]).unwrap().posteriors;
-            assert!((found[0] - odds / (1.0 + odds)).abs() < 1e-6, "{variance}: {found:?}");
+            let posteriors = decide_with(&d, [0.0, 7.0], [variance, 0.0]).unwrap().posteriors;
+            assert!((posteriors[0] - odds / (1.0 + odds)).abs() < 1e-6, "{variance}: {posteriors:?}");
         }
         // ln p(0 | 1) of the second coordinate alone: −½ ln 2π.
         let d = two(Kind::Quadratic);
-        let found = decide_with(&d, [0.0, 0.0], [f32::INFINITY, 0.0]).unwrap().log_likelihoods;
-        assert!(found.iter().all(|log| (log + 0.918_938_5).abs() < 1e-6), "{found:?}");
+        let logs = decide_with(&d, [0.0, 0.0], [f32::INFINITY, 0.0]).unwrap().log_likelihoods;
+        assert!(logs.iter().all(|log| (log + 0.918_938_5).abs() < 1e-6), "{logs:?}");
     }
 
     #[test]

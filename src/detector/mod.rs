@@ -11,13 +11,16 @@
 //! [`Detector::step`], which does all of it.
 
 mod commissioning;
+mod evidence;
 mod following;
 mod monitor;
+mod saved;
 mod segment;
 mod sequence;
 mod solver;
 mod verdict;
 
+pub use commissioning::Commissioning;
 pub use following::{Following, Surroundings};
 pub use monitor::{Conclusion, Monitor};
 pub use segment::Segment;

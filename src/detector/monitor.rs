@@ -110,8 +110,8 @@ impl<'m, P: Plan> Monitor<'m, P> {
         let plan = model.plan();
         Self {
             model,
-            evidence: model.evidence(),
-            evidence_before: model.evidence(),
+            evidence: Evidence::new(model),
+            evidence_before: Evidence::new(model),
             surroundings: (),
             segment: None,
             solve: Solve::new(plan),
@@ -314,7 +314,7 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     /// Number of bytes that [`Monitor::save`] writes.
     #[must_use]
     pub fn saved_len(&self) -> usize {
-        self.model.saved_len()
+        Evidence::saved_len(self.model)
     }
 
     /// Writes alarm, scores, trend and baseline in a run that goes on; returns the number of bytes. It is as if the
@@ -323,7 +323,7 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     /// # Errors
     /// [`StateError::BufferTooSmall`].
     pub fn save_within_run(&self, buffer: &mut [u8]) -> Result<usize, StateError> {
-        self.model.save(&self.evidence, self.baseline(), buffer)
+        self.evidence.save(self.model, self.baseline(), buffer)
     }
 
     /// Ends the run and writes alarm, scores, trend and baseline; returns the number of bytes.
@@ -338,9 +338,9 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     /// Continues from a saved state of this model. Nothing changes in case of an error.
     ///
     /// # Errors
-    /// As [`Model::restore`].
+    /// As [`Evidence::restore`].
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), StateError> {
-        self.model.restore(bytes, &mut self.evidence, self.surroundings.baseline_mut())?;
+        self.evidence.restore(self.model, bytes, self.surroundings.baseline_mut())?;
         (self.work, self.segment) = (Work::Settled, None);
         Ok(())
     }

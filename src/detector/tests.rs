@@ -1,5 +1,6 @@
 use super::{Detector, Segment, Solver, conclude};
-use crate::alarm::evidence::Cause;
+use crate::alarm::Baseline;
+use crate::alarm::evidence::{Cause, Evidence};
 use crate::model::{Constants, EvidenceConstants, Model};
 use crate::reason::Reason;
 use crate::report::{Report, Verdict};
@@ -132,7 +133,7 @@ fn a_segment_far_from_every_class_is_novel() {
 fn an_alarm_by_segments_far_from_every_class_names_no_defect() {
     let model = gated();
     let cause = |gain| {
-        let (mut detector, mut evidence) = (Detector::new(&model), model.evidence());
+        let (mut detector, mut evidence) = (Detector::new(&model), Evidence::new(&model));
         for sample in samples(gain).take(3 * SAMPLES as usize) {
             if let Some(report) = detector.step(&sample) {
                 evidence.observe_outcome(report.outcome());
@@ -190,7 +191,7 @@ fn what_another_model_made_is_refused() {
     };
     let report = conclude(&other, collect(&other));
     assert_eq!(report.verdict, Verdict::Class(1));
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(&model);
     evidence.limit_silence(crate::alarm::SilenceLimits { segments: 1, hours: 0.0 });
     evidence.observe(report.decision.as_ref());
     let reason = Some(Reason::OtherModel);
@@ -205,10 +206,10 @@ fn what_another_model_made_is_refused() {
         *c = gated().constants().clone();
         c.classifier.novelty.factor = [0.01];
     });
-    model.follow(&mut wider.baseline(constants).unwrap(), &mut followed);
+    Baseline::new(&wider, constants).unwrap().follow(&model, &mut followed);
     assert_eq!(followed.verdict, Verdict::Undetermined(Reason::OtherModel));
     // The same numbers are the same model, wherever they are.
-    let mut evidence = gated().evidence();
+    let mut evidence = Evidence::new(&gated());
     evidence.observe(conclude(&model, collect(&gated())).decision.as_ref());
     assert_eq!(evidence.segments(), (1, 0));
 }

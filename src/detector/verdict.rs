@@ -1,8 +1,6 @@
 //! The verdict of a solved segment.
 
 use super::segment::Segment;
-use crate::alarm::Baseline;
-use crate::decide::Decision;
 use crate::model::Model;
 use crate::plan::{Cells, Plan};
 use crate::reason::Reason;
@@ -36,7 +34,7 @@ pub(super) fn judge<P: Plan>(
 
 /// The verdict of a decision.
 #[inline(always)]
-fn conclude<P: Plan>(model: &Model<P>, report: &mut Report<P>, result: Result<(), Reason>) {
+pub(super) fn conclude<P: Plan>(model: &Model<P>, report: &mut Report<P>, result: Result<(), Reason>) {
     report.verdict = match (result, &report.decision) {
         (Ok(()), Some(decision)) => model.constants().classifier.verdict(decision),
         (Err(reason), _) => Verdict::Undetermined(reason),
@@ -45,25 +43,6 @@ fn conclude<P: Plan>(model: &Model<P>, report: &mut Report<P>, result: Result<()
     };
     if result.is_err() {
         report.decision = None;
-    }
-}
-
-impl<P: Plan> Model<P> {
-    /// Decides the segment of a report anew, relative to a baseline that follows slow changes, and lets the baseline
-    /// follow. A report without a decision remains; one of another model, or by the baseline of another one, gets the
-    /// reason [`Reason::OtherModel`].
-    pub fn follow(&self, baseline: &mut Baseline<P>, report: &mut Report<P>) {
-        let (plan, constants) = (self.plan(), self.constants());
-        if report.decision.is_none() {
-            return;
-        }
-        if baseline.model() != self.mark() || report.model != self.mark() {
-            return conclude(self, report, Err(Reason::OtherModel));
-        }
-        let mut decision = Decision { model: self.mark(), ..Decision::empty(plan) };
-        let result = baseline.decide(plan, &constants.classifier, report.estimates(constants.balance()), &mut decision);
-        report.decision = Some(decision);
-        conclude(self, report, result);
     }
 }
 

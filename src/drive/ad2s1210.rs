@@ -156,22 +156,22 @@ where
         let (_, turns_s, settling_ms) = settings.resolution.figures();
         let nominal = settings.clock_hz as f32 / NOMINAL_CLOCK_HZ as f32;
         let step_rad_s = TAU * turns_s * nominal / 32_768.0; // (2)
-        let mut own = Self { bus, pins, delay, step_rad_s };
-        own.pins.sample.set_high().map_err(Error::Pin)?;
-        own.write(CONTROL, settings.control(), COMPARED)?;
-        own.write(EXCITATION, excitation, !HIGHEST)?;
+        let mut converter = Self { bus, pins, delay, step_rad_s };
+        converter.pins.sample.set_high().map_err(Error::Pin)?;
+        converter.write(CONTROL, settings.control(), COMPARED)?;
+        converter.write(EXCITATION, excitation, !HIGHEST)?;
         for (register, code) in (THRESHOLDS..).zip(settings.thresholds.iter().flat_map(Thresholds::codes)) {
-            own.write(register, code, !HIGHEST)?;
+            converter.write(register, code, !HIGHEST)?;
         }
-        own.transfer([SOFT_RESET, 0])?;
+        converter.transfer([SOFT_RESET, 0])?;
         // A slower clock settles later; the clock is at least three quarters of the nominal one.
-        own.delay.delay_ms(if settings.clock_hz < NOMINAL_CLOCK_HZ {
+        converter.delay.delay_ms(if settings.clock_hz < NOMINAL_CLOCK_HZ {
             settling_ms + settling_ms / 3
         } else {
             settling_ms
         });
-        own.clear_faults()?;
-        Ok(own)
+        converter.clear_faults()?;
+        Ok(converter)
     }
 
     /// Latches and reads angle, velocity and faults: six bytes.

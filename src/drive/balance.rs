@@ -245,7 +245,7 @@ mod tests {
     const LIMITS: BalanceLimits = BalanceLimits { noise_a: 0.1, gain_tolerance: 0.02, window: 320 };
 
     /// One finding after `turns` electrical turns of currents of `amplitude_a`, with normal noise of 0.05 A a sensor.
-    fn found(
+    fn finding(
         amplitude_a: f64,
         turns: f64,
         gains: [f64; 3],
@@ -279,9 +279,9 @@ mod tests {
     #[test]
     fn balanced_currents_are_balanced_with_any_amplitude_and_tolerated_gains() {
         for amplitude in [0.0, 0.3, 10.0, 50.0] {
-            assert_eq!(found(amplitude, 100.0, [1.0; 3], three), None, "{amplitude} A");
+            assert_eq!(finding(amplitude, 100.0, [1.0; 3], three), None, "{amplitude} A");
         }
-        assert_eq!(found(50.0, 100.0, [1.015, 0.99, 1.01], three), None);
+        assert_eq!(finding(50.0, 100.0, [1.015, 0.99, 1.01], three), None);
     }
 
     #[test]
@@ -290,7 +290,7 @@ mod tests {
             for error in [0.1_f64, -0.2] {
                 let mut gains = [1.0; 3];
                 gains[place] += error;
-                let Some(Imbalance::Gain { phase: named, error: measured }) = found(10.0, 100.0, gains, three) else {
+                let Some(Imbalance::Gain { phase: named, error: measured }) = finding(10.0, 100.0, gains, three) else {
                     panic!("{phase:?} {error}");
                 };
                 // Noise of 0.09 A in 320 samples of a current of 7 A rms: 0.0007.
@@ -302,12 +302,12 @@ mod tests {
     #[test]
     fn a_gain_error_below_the_noise_of_the_sum_is_named() {
         // ⟨s²⟩ is 0.0075 A² of noise and 0.02 A² of the gain, half of the limit of (2).
-        let Some(Imbalance::Gain { phase: Phase::B, error }) = found(1.0, 100.0, [1.0, 1.2, 1.0], three) else {
+        let Some(Imbalance::Gain { phase: Phase::B, error }) = finding(1.0, 100.0, [1.0, 1.2, 1.0], three) else {
             panic!("not named");
         };
         // Noise of 0.09 A in 320 samples of a current of 0.7 A rms: 0.007, and each sensor's own noise 0.005.
         assert!((error - 0.2).abs() < 0.03, "{error}");
-        assert_eq!(found(1.0, 100.0, [1.015, 0.99, 1.01], three), None);
+        assert_eq!(finding(1.0, 100.0, [1.015, 0.99, 1.01], three), None);
     }
 
     #[test]
@@ -315,14 +315,14 @@ mod tests {
         for (place, phase) in Phase::ALL.into_iter().enumerate() {
             let mut gains = [1.0; 3];
             gains[place] = 0.0;
-            assert_eq!(found(10.0, 100.0, gains, three), Some(Imbalance::Silent(phase)));
+            assert_eq!(finding(10.0, 100.0, gains, three), Some(Imbalance::Silent(phase)));
             let open = |amplitude: f64, angle: f64| {
                 let mut i = [0.0; 3];
                 i[(place + 1) % 3] = amplitude * angle.sin();
                 i[(place + 2) % 3] = -amplitude * angle.sin();
                 i
             };
-            assert_eq!(found(10.0, 100.0, [1.0; 3], open), Some(Imbalance::Open(phase)));
+            assert_eq!(finding(10.0, 100.0, [1.0; 3], open), Some(Imbalance::Open(phase)));
         }
     }
 
@@ -343,13 +343,13 @@ mod tests {
     #[test]
     fn an_offset_is_an_imbalance_without_a_name() {
         let shifted = |amplitude: f64, angle: f64| three(amplitude, angle).map(|i| i + 0.2);
-        assert_eq!(found(10.0, 100.0, [1.0; 3], shifted), Some(Imbalance::Unnamed));
+        assert_eq!(finding(10.0, 100.0, [1.0; 3], shifted), Some(Imbalance::Unnamed));
     }
 
     #[test]
     fn nothing_is_concluded_at_standstill_or_from_missing_samples() {
-        assert_eq!(found(10.0, 0.05, [1.0, 0.0, 1.0], three), None);
-        assert_eq!(found(f64::NAN, 100.0, [1.0; 3], three), None);
+        assert_eq!(finding(10.0, 0.05, [1.0, 0.0, 1.0], three), None);
+        assert_eq!(finding(f64::NAN, 100.0, [1.0; 3], three), None);
     }
 
     #[test]

@@ -292,8 +292,8 @@ impl PositionTracker {
     }
 
     /// Angle and velocity from two readings in a row.
-    fn search(&mut self, found: Option<Angle>) {
-        self.lock = match (found, self.lock) {
+    fn search(&mut self, reading: Option<Angle>) {
+        self.lock = match (reading, self.lock) {
             (Some(angle), Lock::Found(before)) => {
                 self.velocity = angle.since(before);
                 self.angle = angle.turned(self.velocity);

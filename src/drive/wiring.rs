@@ -274,9 +274,9 @@ impl WiringCheck {
         }
         let SinCos { sin, cos } = self.frame.electrical(shaft).times(2).sin_cos();
         let ([ahead, back], [power_ahead, power_back]) = (&mut self.directions, &mut self.power);
-        let (direction, own) = if turned < 0 { (back, power_back) } else { (ahead, power_ahead) };
+        let (direction, directed_power) = if turned < 0 { (back, power_back) } else { (ahead, power_ahead) };
         direction.add(re * cos + im * sin, im * cos - re * sin);
-        *own += power;
+        *directed_power += power;
         self.speed += power * (turned.unsigned_abs() as f32 * RAD);
     }
 
@@ -324,9 +324,9 @@ impl WiringCheck {
         let (mut fits, mut best) = (0_i8, 0.0);
         for (k, [forward, backward]) in (1_i8..).zip(&self.sums) {
             for (k, sum) in [(k, forward), (k.saturating_neg(), backward)] {
-                let own = sum.magnitude() / power;
-                if own > best {
-                    (fits, best) = (k, own);
+                let fit = sum.magnitude() / power;
+                if fit > best {
+                    (fits, best) = (k, fit);
                 }
             }
         }

@@ -57,16 +57,16 @@ fn header(bytes: &[u8]) -> Result<(u16, usize, usize), ModelError> {
     if header.array::<4>().map_err(|_| ModelError::NotAModel)? != MAGIC {
         return Err(ModelError::NotAModel);
     }
-    let found = header.u16()?;
-    if found != VERSION && found != UNDIRECTED {
-        return Err(ModelError::Version { found, supported: VERSION });
+    let version = header.u16()?;
+    if version != VERSION && version != UNDIRECTED {
+        return Err(ModelError::Version { given: version, supported: VERSION });
     }
     // Reserved: a later build may give them a meaning that this one must not ignore.
     if header.u16()? != 0 {
         return Err(ModelError::OutOfRange(Field::Flags));
     }
     let (payload, notes) = (header.u32()? as usize, header.u32()? as usize);
-    if payload > MAX_BYTES || notes > MAX_BYTES { Err(ModelError::Truncated) } else { Ok((found, payload, notes)) }
+    if payload > MAX_BYTES || notes > MAX_BYTES { Err(ModelError::Truncated) } else { Ok((version, payload, notes)) }
 }
 
 /// Checks the frame; returns version, payload and notes.

@@ -3,10 +3,7 @@
 use super::constants::Constants;
 use super::error::ModelError;
 use super::mark::mark;
-use super::sampling::Sampling;
 use super::validate::check;
-use crate::alarm::baseline::BaselineConstants;
-use crate::alarm::{Baseline, Evidence};
 use crate::decide::UNMARKED;
 use crate::drive::RotorFrame;
 use crate::plan::{Cells, Plan};
@@ -95,26 +92,5 @@ impl<P: Plan> Model<P> {
         let ratio = interval_s / trained_s;
         let same = unknown || (0.99..=1.01).contains(&ratio);
         if same { Ok(()) } else { Err(ModelError::Interval { trained_s, given_s: interval_s }) }
-    }
-
-    /// A baseline that follows slow changes, without any offset yet; `None` if a constant is out of range, or the model
-    /// has no healthy class.
-    #[must_use]
-    pub fn baseline(&self, constants: BaselineConstants) -> Option<Baseline<P>> {
-        let novelty = &self.constants.classifier.novelty;
-        novelty
-            .class
-            .and_then(|_| Baseline::new(self.plan, novelty, constants))
-            .map(|baseline| baseline.of_model(self.mark))
-    }
-
-    /// Evidence without any segment yet.
-    #[must_use]
-    pub fn evidence(&self) -> Evidence<P> {
-        let Sampling { interval_s, block_mean, segment_samples, .. } = self.constants.sampling;
-        let segment_s = interval_s * f32::from(block_mean) * segment_samples as f32;
-        let healthy = self.constants.classifier.novelty.class;
-        let directions = &self.constants.classifier.novelty.directions;
-        Evidence::new(self.plan, self.constants.evidence, directions, healthy).of_model(self.mark, segment_s)
     }
 }

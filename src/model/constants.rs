@@ -1,6 +1,6 @@
 //! Everything that was trained, as plain numbers.
 
-use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
+use super::parts::Parts;
 use super::sampling::Sampling;
 use crate::alarm::EvidenceConstants;
 use crate::decide::Classifier;
@@ -39,54 +39,6 @@ impl<P: Plan> Constants<P> {
 
 impl<P: Plan> Constants<P> {
     pub(super) fn parts(&self, plan: P) -> Parts<'_> {
-        let Classifier { features, covariates, projection, discriminant, novelty } = &self.classifier;
-        Parts {
-            layout: plan.layout(),
-            names: P::channels().unwrap_or(&[]),
-            sampling: &self.sampling,
-            channels: self.channels.cells(),
-            regression: self.regression.part().map(|regression| RegressionParts {
-                scale: regression.scale.cells(),
-                nominal: regression.nominal.cells(),
-                deviation: regression.deviation,
-                forgetting: regression.forgetting,
-                huber: regression.huber,
-                rest: regression.rest,
-                settle: regression.settle,
-                handover: regression.handover,
-            }),
-            shaft: self.shaft.part().map(|shaft| ShaftParts {
-                lags: shaft.lags,
-                balance: &shaft.balance,
-                orders: shaft.tracking.orders.cells(),
-                blocks: shaft.tracking.blocks,
-            }),
-            features: features.cells(),
-            covariates: covariates.list.cells(),
-            explained: covariates.map.cells(),
-            map: projection.matrix.cells(),
-            feature_means: projection.mean.cells(),
-            usual: projection.usual.cells(),
-            means: discriminant.means.cells(),
-            factors: discriminant.factors.cells(),
-            log_prior: discriminant.log_prior.cells(),
-            costs: discriminant.costs.cells(),
-            reject_cost: discriminant.reject_cost,
-            healthy: novelty.class,
-            novelty_mean: novelty.mean.cells(),
-            novelty_factor: novelty.factor.cells(),
-            knots: &novelty.knots,
-            laws: novelty.laws.cells(),
-            freedom: novelty.freedom,
-            limit: novelty.limit,
-            directions: novelty.directions.list.cells(),
-            runs: RunParts {
-                usual_segments: novelty.directions.usual_segments,
-                margin: novelty.directions.margin,
-                most_runs: novelty.directions.most_runs,
-            },
-            evidence: self.evidence,
-            labels: self.labels.cells(),
-        }
+        crate::model_parts!(viewed, P, self, plan.layout(), P::channels().unwrap_or(&[]))
     }
 }

@@ -149,7 +149,7 @@ pub enum ModelError {
     /// The bytes are a model of another format version.
     Version {
         /// Version of the bytes.
-        found: u16,
+        given: u16,
         /// Version that this build reads.
         supported: u16,
     },
@@ -196,10 +196,10 @@ impl core::fmt::Display for ModelError {
             }
             Self::Length(field) => write!(f, "the model's {} has the wrong length", field.name()),
             Self::OutOfRange(field) => write!(f, "the model's {} is out of range", field.name()),
-            Self::Version { found, supported } => {
+            Self::Version { given, supported } => {
                 write!(
                     f,
-                    "model format version {found}, but this build reads version {supported}; train the model again"
+                    "model format version {given}, but this build reads version {supported}; train the model again"
                 )
             }
             other => f.write_str(other.message()),

@@ -259,8 +259,8 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
     let mut map: Array<P::Explained, [f32; 2]> = Cells::filled(layout.explained(), [0.0; 2]);
     reader.fill(map.cells_mut().as_flattened_mut())?;
     let covariates = Covariates { list, map };
-    let (matrix, own) = (reader.floats(layout.map())?, layout.features as usize);
-    let projection = Projection { matrix, mean: reader.floats(own)?, usual: reader.floats(own)? };
+    let (matrix, count) = (reader.floats(layout.map())?, layout.features as usize);
+    let projection = Projection { matrix, mean: reader.floats(count)?, usual: reader.floats(count)? };
     let classes = layout.classes as usize;
     let discriminant = Discriminant {
         means: reader.floats(layout.means())?,

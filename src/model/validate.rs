@@ -46,8 +46,8 @@ macro_rules! require {
 
 /// Returns early with an error unless the lengths are equal.
 macro_rules! require_length {
-    ($found:expr, $wanted:expr, $field:ident) => {
-        if $found != $wanted {
+    ($given:expr, $wanted:expr, $field:ident) => {
+        if $given != $wanted {
             return Err(ModelError::Length(Field::$field));
         }
     };
@@ -151,14 +151,14 @@ const fn check_regression(
     require!(all_powers_of_two(scale), ColumnScale);
     // Beyond that, sums of squares over a segment could leave the range of f32.
     let y_limit = limit_of(parts.channels, layout.y);
-    let (own, scale) = split(scale, na as usize);
+    let (of_output, scale) = split(scale, na as usize);
     let (first, scale) = split(scale, nb as usize);
     let (second, scale) = split(scale, nc as usize);
-    require!(differences_alike(own) && differences_alike(first) && differences_alike(second), ColumnScale);
+    require!(differences_alike(of_output) && differences_alike(first) && differences_alike(second), ColumnScale);
     let inputs =
         bounded(first, limit_of(parts.channels, layout.u1)) && bounded(second, limit_of(parts.channels, layout.u2));
     let largest = if y_limit > 1.0 { y_limit } else { 1.0 };
-    require!(bounded(own, y_limit) && inputs && all_within(scale, 0.0, 1e14 / largest), LimitTimesScale);
+    require!(bounded(of_output, y_limit) && inputs && all_within(scale, 0.0, 1e14 / largest), LimitTimesScale);
     require!(all_within(nominal, -LARGEST, LARGEST), NominalModel);
     require!(deviation >= 0.0 && deviation <= LARGEST, ResidualDeviation);
     require!(huber >= 0.0 && huber <= 1e6, OutlierThreshold);
@@ -185,8 +185,9 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     require!(balance.interval_s > 0.0 && balance.interval_s <= LONGEST_S, BalanceInterval);
     let StateVariable { gain, damping, rate_per_s } = balance.filter;
     let expected = StateVariable::new(gain, balance.interval_s);
-    let own = damping.to_bits() == expected.damping.to_bits() && rate_per_s.to_bits() == expected.rate_per_s.to_bits();
-    require!(gain >= 1e-4 && gain <= 10.0 && own, BalanceFilter);
+    let designed =
+        damping.to_bits() == expected.damping.to_bits() && rate_per_s.to_bits() == expected.rate_per_s.to_bits();
+    require!(gain >= 1e-4 && gain <= 10.0 && designed, BalanceFilter);
     // The factor of the balance sums at most as many rows as any other of one level.
     let samples = parts.sampling.segment_samples as u64 * parts.sampling.block_mean as u64;
     require!(balance.row_interval > 0, RowInterval);

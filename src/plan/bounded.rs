@@ -1,8 +1,7 @@
 //! Plans of firmware that reads models of many layouts, without an allocator: every array has places for the largest.
 
+use super::Layout;
 use super::lengths::triangle;
-use super::{Layout, Signals};
-use crate::signal::Angle;
 
 /// Most elements of each array of a plan that [`bounded_plan!`](crate::bounded_plan!) defines, by the names of
 /// [`Layout`].
@@ -149,33 +148,6 @@ impl Bounds {
     }
 }
 
-/// A sample of a bounded plan: the channels in the order of the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Values<const CHANNELS: usize> {
-    values: [f32; CHANNELS],
-    angle: Angle,
-}
-
-impl<const CHANNELS: usize> Signals for Values<CHANNELS> {
-    #[inline(always)]
-    fn of(values: &[f32], angle: Angle) -> Self {
-        let mut all = [0.0; CHANNELS];
-        all.iter_mut().zip(values).for_each(|(cell, value)| *cell = *value);
-        Self { values: all, angle }
-    }
-
-    #[inline(always)]
-    fn value(&self, channel: usize) -> f32 {
-        self.values.get(channel).copied().unwrap_or(0.0)
-    }
-
-    #[inline(always)]
-    fn angle(&self) -> Angle {
-        self.angle
-    }
-}
-
 /// Defines a [`Plan`](crate::plan::Plan) of all models up to some [`Bounds`], whose layout a model brings. A larger
 /// model is refused.
 ///
@@ -202,7 +174,7 @@ macro_rules! bounded_plan {
             const BOUNDS: $crate::plan::Bounds = $bounds;
 
             impl $crate::plan::Plan for $plan {
-                type Sample = $crate::plan::Values<{ BOUNDS.channels }>;
+                type Sample = $crate::plan::Values<[f32; BOUNDS.channels]>;
                 $crate::plan_types!(Bounded, Bounded, BOUNDS);
 
                 #[inline(always)]
@@ -222,19 +194,4 @@ macro_rules! bounded_plan {
             $crate::defmt_formats!($plan);
         };
     };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_beyond_the_last_channel_are_zero() {
-        let sample = Values::<8>::of(&[1.0, 2.0], Angle::from_bits(7));
-        assert_eq!(
-            [0, 1, 2, 100].map(|channel| sample.value(channel).to_bits()),
-            [1.0_f32, 2.0, 0.0, 0.0].map(f32::to_bits)
-        );
-        assert_eq!(sample.angle(), Angle::from_bits(7));
-    }
 }

@@ -73,10 +73,10 @@ impl Signal {
     #[inline(always)]
     #[must_use]
     pub const fn mask(self) -> u16 {
-        let own = bit(self.channel);
+        let channel = bit(self.channel);
         match self.minus {
-            Some(other) => own | bit(other),
-            None => own,
+            Some(other) => channel | bit(other),
+            None => channel,
         }
     }
 }

@@ -17,9 +17,11 @@ mod lengths;
 mod run_time;
 mod size;
 mod structure;
+#[cfg(any(test, feature = "alloc", feature = "bounded"))]
+mod values;
 
 #[cfg(any(test, feature = "bounded"))]
-pub use bounded::{Bounds, Values};
+pub use bounded::Bounds;
 pub use fit::LayoutError;
 pub use layout::{
     Kind, Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_DIRECTIONS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method,
@@ -37,6 +39,8 @@ pub use size::{AnyLength, Heap};
 #[doc(hidden)]
 pub use size::{Cells, Fixed, Item, Presence, Present};
 pub use structure::Structure;
+#[cfg(any(test, feature = "alloc", feature = "bounded"))]
+pub use values::Values;
 
 pub(crate) use lengths::filter_cells;
 

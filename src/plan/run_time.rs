@@ -2,39 +2,15 @@
 
 use alloc::vec::Vec;
 
-use super::{Layout, Plan, Signals};
-use crate::signal::Angle;
+use super::{Layout, Plan, Values};
 
 /// A plan whose layout the model brings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RunTime(Layout);
 
-/// A sample for [`RunTime`]: the channels in the order of the model.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RunTimeSample {
-    /// Values of the channels.
-    pub values: Vec<f32>,
-    /// Mechanical angle of the shaft.
-    pub angle: Angle,
-}
-
-impl Signals for RunTimeSample {
-    fn of(values: &[f32], angle: Angle) -> Self {
-        Self { values: values.to_vec(), angle }
-    }
-
-    #[inline(always)]
-    fn value(&self, channel: usize) -> f32 {
-        self.values.get(channel).copied().unwrap_or(0.0)
-    }
-
-    #[inline(always)]
-    fn angle(&self) -> Angle {
-        self.angle
-    }
-}
+/// A sample for [`RunTime`].
+pub type RunTimeSample = Values<Vec<f32>>;
 
 impl Plan for RunTime {
     type Sample = RunTimeSample;

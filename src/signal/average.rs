@@ -25,9 +25,9 @@ struct Sum {
 impl Sum {
     #[inline(always)]
     fn add(&mut self, x: f32) {
-        let own = x - self.lost;
-        let next = self.value + own;
-        self.lost = (next - self.value) - own;
+        let corrected = x - self.lost;
+        let next = self.value + corrected;
+        self.lost = (next - self.value) - corrected;
         self.value = next;
     }
 }
@@ -107,16 +107,16 @@ pub(crate) fn empty<P: Plan>(plan: P) -> Averages<P> {
 pub(crate) fn take<P: Plan>(plan: P, averages: &mut Averages<P>, sample: &P::Sample, refused: u16) {
     // The channels come from the layout, which a fixed plan knows at compile time.
     let mut rest = plan.layout().averaged;
-    for own in averages.cells_mut() {
+    for average in averages.cells_mut() {
         let channel = rest.trailing_zeros();
         rest &= rest.wrapping_sub(1);
-        own.take(sample.value(channel as usize), (refused >> (channel & 15)) & 1 == 0);
+        average.take(sample.value(channel as usize), (refused >> (channel & 15)) & 1 == 0);
     }
 }
 
 /// Marks the channels that were stuck.
 pub(crate) fn mark_stuck<P: Plan>(averages: &mut Averages<P>, stuck: crate::ChannelSet) {
-    averages.cells_mut().iter_mut().for_each(|own| own.stuck = stuck.contains(own.channel as usize));
+    averages.cells_mut().iter_mut().for_each(|average| average.stuck = stuck.contains(average.channel as usize));
 }
 
 #[cfg(test)]
@@ -149,7 +149,7 @@ mod tests {
     fn a_million_samples_keep_their_digits() {
         let average = of((0..1_000_000).map(|k| (if k % 2 == 0 { 0.1 } else { 123.4 }, true)));
         // A few roundings of the result; without compensation the error is 1 part in 400 here.
-        let relative = |found: f32, exact: f64| (f64::from(found) / exact - 1.0).abs();
+        let relative = |value: f32, exact: f64| (f64::from(value) / exact - 1.0).abs();
         let [low, high] = [f64::from(0.1_f32), f64::from(123.4_f32)];
         assert!(relative(average.mean().unwrap(), 0.5 * (low + high)) < 2e-7);
         assert!(relative(average.rms().unwrap(), (0.5 * (low * low + high * high)).sqrt()) < 2e-7);

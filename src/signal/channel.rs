@@ -50,14 +50,14 @@ impl<const N: usize> Name<N> {
 
     /// Whether this is the text; in constants, where `==` is not available.
     pub(crate) const fn is(&self, text: &str) -> bool {
-        let (mut own, mut other) = (self.0.as_slice(), text.as_bytes());
-        while let [byte, rest @ ..] = own {
+        let (mut bytes, mut other) = (self.0.as_slice(), text.as_bytes());
+        while let [byte, rest @ ..] = bytes {
             match other {
                 [first, later @ ..] if *first == *byte => other = later,
                 [] if *byte == 0 => {}
                 _ => return false,
             }
-            own = rest;
+            bytes = rest;
         }
         other.is_empty()
     }

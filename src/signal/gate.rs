@@ -30,8 +30,8 @@ impl ChannelSet {
 
     /// The first channel of the set that the mask contains.
     pub(crate) fn first_of(self, mask: u16) -> Option<u8> {
-        let found = self.0 & mask;
-        if found == 0 { None } else { u8::try_from(found.trailing_zeros()).ok() }
+        let members = self.0 & mask;
+        if members == 0 { None } else { u8::try_from(members.trailing_zeros()).ok() }
     }
 }
 

@@ -110,9 +110,9 @@ mod tests {
     #[test]
     fn the_ratio_is_that_of_the_scale() {
         for scale in [1.0, -1.0, 0.5, 2.0, 9.549_3] {
-            let found = ratio(4000, scale, 0.0).unwrap();
+            let estimated = ratio(4000, scale, 0.0).unwrap();
             // A block that spans a reversal adds a lag's worth: none here; rounding of sixteen sums.
-            assert!((found / scale - 1.0).abs() < 1e-5, "{scale}: {found}");
+            assert!((estimated / scale - 1.0).abs() < 1e-5, "{scale}: {estimated}");
         }
     }
 

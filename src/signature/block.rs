@@ -50,7 +50,7 @@ impl Kind {
             return Err(SignatureError::Unsigned);
         }
         if version != VERSION || algorithm != self.algorithm() {
-            return Err(SignatureError::Version { found: version, supported: VERSION });
+            return Err(SignatureError::Version { given: version, supported: VERSION });
         }
         let counter = u32::from_le_bytes([c0, c1, c2, c3]);
         let length = u32::try_from(length).map_err(|_| SignatureError::Format)?;

@@ -16,7 +16,7 @@ pub enum SignatureError {
     /// Format version or algorithm is none that this build reads.
     Version {
         /// Version of the bytes.
-        found: u8,
+        given: u8,
         /// Version that this build reads.
         supported: u8,
     },
@@ -31,7 +31,7 @@ pub enum SignatureError {
     /// The counter, or the sequence, is older than accepted.
     Older {
         /// Counter or sequence of the bytes.
-        found: u32,
+        given: u32,
         /// The least one that is accepted.
         least: u32,
     },
@@ -61,8 +61,8 @@ impl fmt::Display for SignatureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Model(error) => error.fmt(f),
-            Self::Older { found, least } => {
-                write!(f, "older than accepted: the counter is {found}, the least accepted one {least}")
+            Self::Older { given, least } => {
+                write!(f, "older than accepted: the counter is {given}, the least accepted one {least}")
             }
             other => f.write_str(other.message()),
         }

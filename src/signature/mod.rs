@@ -7,7 +7,7 @@
 //! ```
 //! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
 //! # use model::{Drive, MODEL};
-//! use bearing_watch::Model;
+//! use bearing_watch::{Evidence, Model};
 //! use bearing_watch::signature::{SignatureError, StateKey, Trust};
 //!
 //! // `bearing-watch keys vendor.key --new` prints the public key. Keep the counter in memory that cannot be rewritten.
@@ -19,11 +19,11 @@
 //!
 //! // The key of this drive, written at its production.
 //! let key = StateKey::new([0x5A; 32]);
-//! let (mut buffer, evidence) = ([0; 512], MODEL.evidence());
-//! let length = MODEL.save(&evidence, None, &mut buffer)?;
+//! let (mut buffer, evidence) = ([0; 512], Evidence::new(&MODEL));
+//! let length = evidence.save(&MODEL, None, &mut buffer)?;
 //! let length = key.seal(&mut buffer, length, 41)?;
 //! let sealed = key.open(&buffer[..length], 41)?;
-//! assert_eq!((sealed.state.len(), sealed.sequence), (MODEL.saved_len(), 41));
+//! assert_eq!((sealed.state.len(), sealed.sequence), (Evidence::saved_len(&MODEL), 41));
 //! assert!(matches!(key.open(&buffer[..length], 42), Err(SignatureError::Older { .. })));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

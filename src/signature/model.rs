@@ -69,7 +69,7 @@ impl Trust<'_> {
         }
         // After the signature: what is said of the counter is then true.
         if counter < self.least_counter {
-            return Err(SignatureError::Older { found: counter, least: self.least_counter });
+            return Err(SignatureError::Older { given: counter, least: self.least_counter });
         }
         Ok(Signed { model, counter, length: message.len().saturating_add(SIGNATURE) })
     }
@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(trust.verify_with(&bytes, |_, _, _| false), Err(SignatureError::Mismatch));
         let newer = Trust { least_counter: 6, ..trust };
         let older = newer.verify_with(&bytes, |_, _, _| true);
-        assert_eq!(older, Err(SignatureError::Older { found: 5, least: 6 }), "a good signature is not enough");
+        assert_eq!(older, Err(SignatureError::Older { given: 5, least: 6 }), "a good signature is not enough");
         let untrusted = Trust { keys: &[[9; 32]], least_counter: 0 };
         let mut asked = false;
         let unknown = untrusted.verify_with(&bytes, |_, _, _| {
@@ -165,7 +165,7 @@ mod tests {
         let (key, good) = signed(1, 5);
         let (other, _) = signed(2, 5);
         let accepts = |keys: &[PublicKey], least_counter| Trust { keys, least_counter }.verify(&good).err();
-        assert_eq!(accepts(&[key], 6), Some(SignatureError::Older { found: 5, least: 6 }));
+        assert_eq!(accepts(&[key], 6), Some(SignatureError::Older { given: 5, least: 6 }));
         assert_eq!(accepts(&[other], 0), Some(SignatureError::UnknownKey));
         assert_eq!(accepts(&[], 0), Some(SignatureError::UnknownKey));
         let mut namesake = other;
@@ -189,8 +189,8 @@ mod tests {
             bytes[RECORD.len() + place] = byte;
             trust.verify(&bytes).err()
         };
-        assert_eq!(at(4, 2), Some(SignatureError::Version { found: 2, supported: 1 }));
-        assert_eq!(at(5, 2), Some(SignatureError::Version { found: 1, supported: 1 }), "another algorithm");
+        assert_eq!(at(4, 2), Some(SignatureError::Version { given: 2, supported: 1 }));
+        assert_eq!(at(5, 2), Some(SignatureError::Version { given: 1, supported: 1 }), "another algorithm");
         assert_eq!([at(6, 1), at(12, 0)], [Some(SignatureError::Format); 2], "reserved bytes, another length");
     }
 

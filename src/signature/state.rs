@@ -21,7 +21,7 @@ pub struct StateKey([u8; 32]);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sealed<'b> {
-    /// The state, for [`Model::restore`](crate::Model::restore).
+    /// The state, for [`Evidence::restore`](crate::Evidence::restore).
     pub state: &'b [u8],
     /// Its number.
     pub sequence: u32,
@@ -61,7 +61,7 @@ impl StateKey {
         // In constant time, whatever the bytes.
         self.code(content).verify_slice(code).map_err(|_| SignatureError::Mismatch)?;
         if sequence < least_sequence {
-            return Err(SignatureError::Older { found: sequence, least: least_sequence });
+            return Err(SignatureError::Older { given: sequence, least: least_sequence });
         }
         Ok(Sealed { state, sequence })
     }
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn older_states_and_other_keys_are_refused() {
-        let older = Err(SignatureError::Older { found: 9, least: 10 });
+        let older = Err(SignatureError::Older { given: 9, least: 10 });
         assert_eq!(KEY.open(&sealed(9), 10), older);
         assert_eq!(KEY.open(&sealed(u32::MAX), u32::MAX).map(|sealed| sealed.sequence), Ok(u32::MAX));
         assert_eq!(StateKey::new([0x5B; 32]).open(&sealed(9), 0), Err(SignatureError::Mismatch));
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(KEY.seal(&mut small, 9, 1), Ok(SEAL + 9));
         let mut other = sealed(9);
         other[56] = 2;
-        assert_eq!(KEY.open(&other, 0), Err(SignatureError::Version { found: 2, supported: 1 }));
+        assert_eq!(KEY.open(&other, 0), Err(SignatureError::Version { given: 2, supported: 1 }));
         assert!(!std::format!("{KEY:?}").contains("90"), "the key is not printed");
     }
 }

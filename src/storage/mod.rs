@@ -1,7 +1,7 @@
 //! Records in flash that survive power-off: a pair of slots, of which one always holds the last good record.
 //!
 //! Enters: bytes, such as a model ([`Model::to_bytes`](crate::Model::to_bytes)) or a saved state
-//! ([`Model::save`](crate::Model::save)). Leaves: the same bytes after the next power-up.
+//! ([`Monitor::save`](crate::Monitor::save)). Leaves: the same bytes after the next power-up.
 //!
 //! ```text
 //! slot    header | payload | erased rest          at `start`, and again `slot_bytes` later

@@ -177,7 +177,7 @@ impl<const PAGE: usize> SlotPair<PAGE> {
     fn newest_slot<F: NorFlash>(&self, flash: &mut F) -> Result<Found, StorageError<F::Error>> {
         let slots = [self.read(flash, false, None), self.read(flash, true, None)];
         // A record beside what may have been a newer one.
-        let found = |second, record: &Record, other: &Result<Slot, StorageError<F::Error>>| {
+        let beside = |second, record: &Record, other: &Result<Slot, StorageError<F::Error>>| {
             let passed_over = other.as_ref().map_or(Some(PassedOver::Unreadable), |other| other.hides(record));
             Found::Record { second, record: Record { passed_over, ..*record } }
         };
@@ -186,8 +186,8 @@ impl<const PAGE: usize> SlotPair<PAGE> {
                 let newer = second.is_newer_than(first);
                 Found::Record { second: newer, record: if newer { *second } else { *first } }
             }
-            [Ok(Slot::Good(record)), other] => found(false, record, other),
-            [other, Ok(Slot::Good(record))] => found(true, record, other),
+            [Ok(Slot::Good(record)), other] => beside(false, record, other),
+            [other, Ok(Slot::Good(record))] => beside(true, record, other),
             [Ok(_), _] => Found::Nothing { second: false },
             [Err(_), Ok(_)] => Found::Nothing { second: true },
             [Err(_), Err(_)] => {
@@ -226,10 +226,10 @@ impl<const PAGE: usize> SlotPair<PAGE> {
             let from = at.saturating_add(offset(header.saturating_add(done)));
             let Some(cells) = page.get_mut(..rounded(part, unit::<F>())) else { return Err(StorageError::Geometry) };
             flash.read(from, cells).map_err(StorageError::Flash)?;
-            let own = cells.get(..part).unwrap_or_default();
-            crc.add(own);
+            let bytes = cells.get(..part).unwrap_or_default();
+            crc.add(bytes);
             let to = buffer.as_mut().and_then(|buffer| buffer.get_mut(done..));
-            to.unwrap_or_default().iter_mut().zip(own).for_each(|(cell, byte)| *cell = *byte);
+            to.unwrap_or_default().iter_mut().zip(bytes).for_each(|(cell, byte)| *cell = *byte);
             done = done.saturating_add(part);
         }
         Ok(if crc.value() == record.check { Slot::Good(record) } else { Slot::Damaged(record) })
@@ -237,18 +237,18 @@ impl<const PAGE: usize> SlotPair<PAGE> {
 
     /// Writes to erased flash, and reads back.
     fn write<F: NorFlash>(flash: &mut F, at: u32, bytes: &[u8]) -> Result<(), StorageError<F::Error>> {
-        let (mut page, mut found) = ([ERASED; PAGE], [0; PAGE]);
+        let (mut page, mut read_back) = ([ERASED; PAGE], [0; PAGE]);
         let step = step::<F>(PAGE).max(1);
         let mut at = at;
         for part in bytes.chunks(step) {
             let padded = rounded(part.len(), unit::<F>());
-            let pages = (page.get_mut(..padded), found.get_mut(..padded));
-            let (Some(page), Some(found)) = pages else { return Err(StorageError::Geometry) };
+            let pages = (page.get_mut(..padded), read_back.get_mut(..padded));
+            let (Some(page), Some(read_back)) = pages else { return Err(StorageError::Geometry) };
             page.fill(ERASED);
             page.iter_mut().zip(part).for_each(|(cell, byte)| *cell = *byte);
             flash.write(at, page).map_err(StorageError::Flash)?;
-            flash.read(at, found).map_err(StorageError::Flash)?;
-            if page != found {
+            flash.read(at, read_back).map_err(StorageError::Flash)?;
+            if page != read_back {
                 return Err(StorageError::NotWritten);
             }
             at = at.saturating_add(offset(padded));

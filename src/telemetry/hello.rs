@@ -119,7 +119,8 @@ impl<'a> Hello<'a> {
         let ends = texts.iter().fold(0_usize, |ends, byte| ends.saturating_add(usize::from(*byte == 0)));
         let wanted = 2 * usize::from(fields.channels) + usize::from(fields.classes);
         let whole = ends == wanted && texts.last().is_none_or(|byte| *byte == 0);
-        let readable = whole && core::str::from_utf8(texts).is_ok() && hello.features().all(|own| own.is_some());
+        let readable =
+            whole && core::str::from_utf8(texts).is_ok() && hello.features().all(|feature| feature.is_some());
         readable.then_some(hello)
     }
 

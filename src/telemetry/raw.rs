@@ -184,8 +184,8 @@ impl<'a> RawBlock<'a> {
     #[must_use]
     pub fn further(&self, sample: usize, channel: usize) -> Option<f32> {
         let before = sample_bytes(self.resolver, 0) / 4;
-        let own = channel < self.further as usize;
-        if own { self.word(sample, before.wrapping_add(channel)).map(f32::from_bits) } else { None }
+        let exists = channel < self.further as usize;
+        if exists { self.word(sample, before.wrapping_add(channel)).map(f32::from_bits) } else { None }
     }
 
     fn word(&self, sample: usize, place: usize) -> Option<u32> {

@@ -78,8 +78,8 @@ impl<'a> Block<'a> {
     /// Value of a channel, by the place of the sample in the block and that of the channel in the sample.
     #[must_use]
     pub fn value(&self, sample: usize, channel: usize) -> Option<f32> {
-        let own = channel < self.channels as usize;
-        if own { self.word(sample, channel).map(f32::from_le_bytes) } else { None }
+        let exists = channel < self.channels as usize;
+        if exists { self.word(sample, channel).map(f32::from_le_bytes) } else { None }
     }
 
     /// Angle of a sample; `None` if samples have none.

@@ -75,9 +75,9 @@ fn no_single_wrong_bit_passes() {
         bytes[bit / 8] ^= 1 << (bit % 8);
         bytes.push(0);
         let mut decoder = Decoder::<64>::new();
-        let found = bytes.iter().filter(|byte| decoder.push(**byte).is_some()).count();
+        let frames = bytes.iter().filter(|byte| decoder.push(**byte).is_some()).count();
         // A wrong last byte is no zero: the frame ends one byte late, and its checksum does not match.
-        assert_eq!((found, decoder.counts().frames), (0, 0), "bit {bit}");
+        assert_eq!((frames, decoder.counts().frames), (0, 0), "bit {bit}");
         assert!(decoder.counts().bad > 0, "bit {bit}");
     }
 }
@@ -145,7 +145,7 @@ fn sent(report: &Report<Drive>, evidence: &Evidence<Drive>, look: impl FnOnce(Su
 
 #[test]
 fn a_report_is_what_the_detector_found() {
-    let (report, mut evidence) = (report(samples(1.0)), MODEL.evidence());
+    let (report, mut evidence) = (report(samples(1.0)), Evidence::new(&MODEL));
     evidence.observe_outcome(report.outcome());
     let lists = sent(&report, &evidence, |summary| {
         assert_eq!((summary.segment, summary.undetermined, summary.verdict), (1, 0, Verdict::Class(1)));
@@ -160,7 +160,7 @@ fn a_report_is_what_the_detector_found() {
 
 #[test]
 fn a_report_without_a_verdict_has_a_reason_and_no_numbers_of_a_verdict() {
-    let (report, mut evidence) = (Report::<Drive>::empty(MODEL.plan()), MODEL.evidence());
+    let (report, mut evidence) = (Report::<Drive>::empty(MODEL.plan()), Evidence::new(&MODEL));
     evidence.observe_outcome(report.outcome());
     let lists = sent(&report, &evidence, |summary| {
         assert_eq!((summary.verdict, summary.segment, summary.undetermined), (report.verdict, 1, 1));
@@ -172,7 +172,7 @@ fn a_report_without_a_verdict_has_a_reason_and_no_numbers_of_a_verdict() {
 
 #[test]
 fn a_report_that_goes_on_behind_its_lists_is_none() {
-    let mut evidence: Evidence<Drive> = MODEL.evidence();
+    let mut evidence = Evidence::new(&MODEL);
     evidence.observe(None);
     let model: &Model<Drive> = &MODEL;
     let mut content = [0; 300];

@@ -12,7 +12,7 @@ mod model {
 }
 
 use bearing_watch::drive::{PhaseCounts, RawSample};
-use bearing_watch::{Detector, Verdict};
+use bearing_watch::{Detector, Evidence, Verdict};
 
 use model::{DriveFrontEnd, FRONT_END, FURTHER, MODEL, position};
 
@@ -20,7 +20,7 @@ program!(run);
 
 fn run() -> ! {
     let mut detector = Detector::new(&MODEL);
-    let mut evidence = MODEL.evidence();
+    let mut evidence = Evidence::new(&MODEL);
     let Ok(mut front_end) = DriveFrontEnd::new(&FRONT_END) else {
         loop {
             core::hint::spin_loop();

@@ -26,8 +26,8 @@ fn run() {
 mod on_target {
     use core::hint::black_box;
 
-    use bearing_watch::Model;
     use bearing_watch::signature::{BLOCK, SEAL, StateKey, Trust, head};
+    use bearing_watch::{Evidence, Model};
     use ed25519_compact::{KeyPair, Seed};
 
     use super::support::long_count::LongCounter;
@@ -64,8 +64,8 @@ mod on_target {
     }
 
     fn states(counter: &LongCounter) {
-        let (key, evidence, mut buffer) = (StateKey::new(black_box([2; 32])), MODEL.evidence(), [0; 512]);
-        let length = MODEL.save(&evidence, None, &mut buffer).expect("a state");
+        let (key, evidence, mut buffer) = (StateKey::new(black_box([2; 32])), Evidence::new(&MODEL), [0; 512]);
+        let length = evidence.save(&MODEL, None, &mut buffer).expect("a state");
         let mut sealed = 0;
         let instructions =
             counter.instructions(|| sealed = black_box(&key).seal(black_box(&mut buffer), length, 7).unwrap_or(0));

@@ -11,7 +11,7 @@ use core::hint::black_box;
 
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::telemetry::{Decoder, Encoder, RawRecorder, Recorder, Source};
-use bearing_watch::{Angle, Detector, Report};
+use bearing_watch::{Angle, Detector, Evidence, Report};
 
 use standard_rig::model::{Drive, MODEL};
 use support::count::Counter;
@@ -33,7 +33,7 @@ fn run() {
 }
 
 fn frames(counter: &mut Counter, report: &Report<Drive>) {
-    let mut evidence = MODEL.evidence();
+    let mut evidence = Evidence::new(&MODEL);
     evidence.observe(report.decision.as_ref());
     let mut buffer = [0; 512];
     let mut encoder = Encoder::new(&MODEL, Source::default());

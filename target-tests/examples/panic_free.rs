@@ -205,8 +205,8 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     let model = opaque(model);
     about(model);
     let mut detector = opaque(Detector::new(model));
-    let mut evidence = opaque(Model::evidence(model));
-    let mut baseline = opaque(Model::baseline(model, opaque(BaselineConstants::new(opaque(50.0), opaque(2.0)))));
+    let mut evidence = opaque(Evidence::new(model));
+    let mut baseline = opaque(Baseline::new(model, opaque(BaselineConstants::new(opaque(50.0), opaque(2.0)))));
     let mut numbers = Numbers(9);
     for _ in 0..opaque(50) {
         let sample = opaque(sample(numbers.array()));
@@ -243,7 +243,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
 
 /// A baseline over one report.
 fn follow<P: Plan>(model: &Model<P>, baseline: &mut Baseline<P>, report: &mut Report<P>) {
-    Model::follow(model, baseline, report);
+    Baseline::follow(baseline, model, report);
     opaque((Baseline::offset(baseline), Baseline::at_bound(baseline)));
     opaque(Baseline::restore(baseline, &opaque([0.5, f32::NAN]), opaque(true)));
     Baseline::reset(opaque(baseline));
@@ -256,16 +256,16 @@ fn commission<P: Plan>(model: &Model<P>, report: &Report<P>) {
         opaque(CommissioningError::message(&error));
         show(error);
     };
-    let mut commissioning = match Model::commissioning(model, constants) {
+    let mut commissioning = match Commissioning::new(model, constants) {
         Ok(commissioning) => opaque(commissioning),
         Err(error) => return refused(error),
     };
-    if let Err(error) = Model::gather(model, &mut commissioning, report) {
+    if let Err(error) = Commissioning::take(&mut commissioning, report) {
         refused(error);
     }
     opaque((Commissioning::gathered(&commissioning), Commissioning::far(&commissioning)));
     opaque(Commissioning::mean(&commissioning));
-    match Model::commissioned(model, &commissioning) {
+    match Commissioning::model(&commissioning) {
         Ok(model) => drop(opaque(model)),
         Err(error) => refused(error),
     }
@@ -274,13 +274,13 @@ fn commission<P: Plan>(model: &Model<P>, report: &Report<P>) {
 /// The state of alarm and baseline as bytes.
 fn saved<P: Plan>(model: &Model<P>, evidence: &mut Evidence<P>, baseline: Option<&mut Baseline<P>>) {
     let mut buffer = opaque([0; 512]);
-    opaque((Model::id(model), Model::saved_len(model)));
-    let length = match Model::save(model, evidence, baseline.as_deref(), &mut buffer) {
+    opaque((Model::id(model), Evidence::saved_len(model)));
+    let length = match Evidence::save(evidence, model, baseline.as_deref(), &mut buffer) {
         Ok(length) => opaque(length),
         Err(error) => return show(error),
     };
     let bytes = opaque(&buffer).get(..length).unwrap_or_default();
-    if let Err(error) = Model::restore(model, bytes, evidence, baseline) {
+    if let Err(error) = Evidence::restore(evidence, model, bytes, baseline) {
         opaque(StateError::message(&error));
         show(error);
     }

@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{layout, notes, stored_len};
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{Detector, Model};
+use bearing_watch::{Detector, Evidence, Model};
 
 use crate::input::Input;
 use crate::models::{BYTES, refined, shaft, standard_rig};
@@ -87,7 +87,7 @@ fn run<P: Plan>(model: &Model<P>, samples: &[u8]) {
         assert!(length > FRAME && Model::<P>::from_bytes(&buffer[..length]).is_ok(), "what is written is read");
     }
     let mut detector = Detector::new(model);
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(model);
     let mut wild = Input::new(samples);
     let mut ordinary = crate::models::numbers::Numbers(u32::from(wild.byte()));
     for k in 0..SAMPLES {

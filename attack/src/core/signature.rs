@@ -107,8 +107,8 @@ fn model(bytes: &[u8], keys: &[PublicKey], least_counter: u32) {
             assert_eq!((signed.counter, signed.length), (COUNTER, good.len()));
             assert_eq!(signed.model, &good[..good.len() - BLOCK]);
         }
-        Err(SignatureError::Older { found, least }) => {
-            assert!(is_good && (found, least) == (COUNTER, least_counter) && found < least);
+        Err(SignatureError::Older { given, least }) => {
+            assert!(is_good && (given, least) == (COUNTER, least_counter) && given < least);
         }
         Err(error) => assert!(!is_good, "{error}"),
     }

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::telemetry::{Body, Decoder, Encoder, Frame, RawRecorder, Recorder, Source};
-use bearing_watch::{Angle, Detector};
+use bearing_watch::{Angle, Detector, Evidence};
 
 use crate::checksum;
 use crate::input::Input;
@@ -16,7 +16,7 @@ const FRAME: usize = 512;
 /// The frames of a drive, by their sequence: hellos, blocks of samples and of raw samples, and reports.
 static SENT: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let model = &*WATCHED;
-    let (mut detector, mut evidence) = (Detector::new(model), model.evidence());
+    let (mut detector, mut evidence) = (Detector::new(model), Evidence::new(model));
     let mut encoder = Encoder::new(model, Source { model_id: model.id(), session: 1 });
     let mut recorder = Recorder::<_, 200>::new(model.plan());
     let mut raw = RawRecorder::<1, 200>::new(4000.0);

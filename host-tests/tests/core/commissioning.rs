@@ -2,7 +2,7 @@
 
 use bearing_watch::alarm::{CommissioningError, StateError};
 use bearing_watch::model::{CommissioningConstants, EvidenceConstants};
-use bearing_watch::{Detector, Model, Reason, Report, Verdict};
+use bearing_watch::{Commissioning, Detector, Evidence, Model, Reason, Report, Verdict};
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -34,9 +34,9 @@ fn a_commissioned_model_is_a_model_with_another_healthy_class() {
     let model = alarming();
     let evidence = EvidenceConstants { log_mean: 0.7, ..model.constants().evidence };
     let constants = CommissioningConstants { evidence: Some(evidence), ..CONSTANTS };
-    let mut commissioning = model.commissioning(constants).expect("good constants");
+    let mut commissioning = Commissioning::new(&model, constants).expect("good constants");
     let reports = reports(&model, 17, true);
-    let outcomes: Vec<_> = reports.iter().map(|report| model.gather(&mut commissioning, report)).collect();
+    let outcomes: Vec<_> = reports.iter().map(|report| commissioning.take(report)).collect();
     for (outcome, report) in outcomes.iter().zip(&reports) {
         match (outcome, report.verdict) {
             (Err(CommissioningError::NoVerdict(reason)), Verdict::Undetermined(own)) => {
@@ -46,7 +46,7 @@ fn a_commissioned_model_is_a_model_with_another_healthy_class() {
         }
     }
     assert_eq!((commissioning.gathered(), commissioning.far()), (13, 0));
-    let own = model.commissioned(&commissioning).expect("enough");
+    let own = commissioning.model().expect("enough");
     assert_eq!(own.constants().classifier.novelty.mean, *commissioning.mean());
     assert_eq!(own.constants().evidence, evidence);
     // Only healthy class, class means and alarm differ.
@@ -68,20 +68,20 @@ fn a_commissioned_model_is_a_model_with_another_healthy_class() {
     assert_eq!(Model::from_sector(&buffer), Ok(own.clone()));
     assert!(length < buffer.len());
     // The evidence of the model before does not continue.
-    let mut state = vec![0; model.saved_len()];
-    model.save(&model.evidence(), None, &mut state).expect("fits");
-    let error = own.restore(&state, &mut own.evidence(), None);
-    assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), own: own.id() }));
+    let mut state = vec![0; Evidence::saved_len(&model)];
+    Evidence::new(&model).save(&model, None, &mut state).expect("fits");
+    let error = Evidence::new(&own).restore(&own, &state, None);
+    assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), expected: own.id() }));
 }
 
 #[test]
 fn too_few_segments_are_refused_by_their_number() {
     let model = alarming();
-    let mut commissioning = model.commissioning(CONSTANTS).expect("good constants");
+    let mut commissioning = Commissioning::new(&model, CONSTANTS).expect("good constants");
     for report in reports(&model, 11, false) {
-        model.gather(&mut commissioning, &report).expect("usable");
+        commissioning.take(&report).expect("usable");
     }
-    let error = model.commissioned(&commissioning).expect_err("one is missing");
+    let error = commissioning.model().expect_err("one is missing");
     assert_eq!(error, CommissioningError::TooFew { gathered: 11, needed: 12 });
     assert_eq!(error.to_string(), "11 segments were gathered, 12 are needed");
 }

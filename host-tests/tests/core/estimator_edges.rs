@@ -135,10 +135,8 @@ fn estimates_of_other_segments_are_refused_and_errors_stay() {
     let run = |stream: &mut Stream<'_>, segment: usize| {
         data[2000 * segment..2000 * (segment + 1)].iter().for_each(|sample| stream.step(sample));
     };
-    let solved = |stream: &mut Stream<'_>| {
-        let detached = stream.estimator.detach();
-        outcome(stream.estimator.solve(detached)).expect("an estimate")
-    };
+    let solved =
+        |stream: &mut Stream<'_>| outcome(stream.estimator.detach().finish(&setup.constants)).expect("an estimate");
     run(&mut stream, 0);
     let first = solved(&mut stream);
     run(&mut stream, 1);
@@ -149,10 +147,9 @@ fn estimates_of_other_segments_are_refused_and_errors_stay() {
     let mut stream = setup.stream();
     run(&mut stream, 0);
     (0..5).for_each(|_| stream.step(&Inputs { y: 1.0, u1: 0.0, u2: 0.0 }));
-    let detached = stream.estimator.detach();
-    let mut steps = stream.estimator.steps(detached);
+    let mut segment = stream.estimator.detach();
     for _ in 0..2 {
-        let estimate = steps.advance(&setup.constants).expect("nothing is solved");
+        let estimate = segment.advance(&setup.constants).expect("nothing is solved");
         assert_eq!(estimate.reason, Some(Reason::Stuck { channel: 0 }));
     }
 }

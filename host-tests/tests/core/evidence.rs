@@ -2,7 +2,7 @@
 
 use bearing_watch::model::EvidenceConstants;
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Cause, Model};
+use bearing_watch::{Cause, Evidence, Model};
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -72,7 +72,7 @@ fn scores_are_those_of_the_equations() {
         let constants =
             EvidenceConstants { bet: 0.2, limit: 60.0, cap: 9.0, segments_a_run, log_mean, defect_log_mean };
         let model = model(constants);
-        let (mut evidence, classifier) = (model.evidence(), &model.constants().classifier);
+        let (mut evidence, classifier) = (Evidence::new(&model), &model.constants().classifier);
         let mut oracle = Oracle { constants, scores: [0.0; CLASSES], run: vec![] };
         let (mut worst, mut reached, mut resets) = (0.0_f64, 0.0_f64, 0);
         for step in 0..6000 {
@@ -112,7 +112,7 @@ fn one_segment_a_run_is_the_sum_of_logarithms() {
     let constants = EvidenceConstants { bet: 0.2, limit: 13.8, cap: 6.9, log_mean: -0.0977, ..EvidenceConstants::NONE };
     let model = model(constants);
     let mut random = ChaCha8Rng::seed_from_u64(42);
-    let (mut evidence, classifier) = (model.evidence(), &model.constants().classifier);
+    let (mut evidence, classifier) = (Evidence::new(&model), &model.constants().classifier);
     let (mut novelty, mut defects) = (0.0_f32, [0.0_f32; 2]);
     for _ in 0..5000 {
         let surprise: f32 = 1.3 * -(1.0 - random.random::<f32>()).ln();

@@ -7,9 +7,9 @@
 //! One model for other drives: trained on sessions of 20 drives, judged on drives that it has not seen. One model a
 //! drive: trained on sessions of the drive, judged on its later sessions.
 
-use bearing_watch::Model;
 use bearing_watch::model::{EvidenceConstants, Feature};
 use bearing_watch::plan::RunTime;
+use bearing_watch::{Evidence, Model};
 use host_tests::plans::constants;
 use model::train::FeatureTable;
 use model::train::novelty::baseline::exact;
@@ -151,7 +151,7 @@ fn independent(model: &Model<RunTime>) -> Model<RunTime> {
 /// Hours of one drive, at most so many, and its first alarm, if there is one; its features are `shift` off.
 fn first_alarm(model: &Model<RunTime>, drive: &DVector<f64>, (shift, most_h): (f64, f64), seed: u64) -> (f64, bool) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let (mut evidence, classifier) = (model.evidence(), &model.constants().classifier);
+    let (mut evidence, classifier) = (Evidence::new(model), &model.constants().classifier);
     let mut segments = 0_u64;
     let hours = |segments: u64| segments as f64 * SEGMENT_S / 3600.0;
     while hours(segments) < most_h {

@@ -2,7 +2,7 @@
 
 use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Angle, Detector, Implausible, Model, Reason, Report, Verdict};
+use bearing_watch::{Angle, Detector, Evidence, Implausible, Model, Reason, Report, Verdict};
 use rig::DefectKind;
 
 use crate::rig::{Motion, lag, model, model_of_angle, motions, run, trace};
@@ -57,9 +57,9 @@ fn every_way_to_a_report_refuses_and_adds_no_evidence() {
         // Table 2.3: 0.05 N·m/A.
         assert!((kt + 0.05).abs() < 1e-3, "{kt}");
     }
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(&model);
     assert!(evidence.observe(reports[0].decision.as_ref()).is_none());
-    assert_eq!(evidence.score(), model.evidence().score());
+    assert_eq!(evidence.score(), Evidence::new(&model).score());
     assert!(matches!(three_ways(&model, &recorded(|_| ())).map(|own| own.verdict), [Verdict::Class(0), ..]));
 }
 

@@ -2,7 +2,7 @@
 //! and alarm of the drive's example behind them.
 
 use bearing_watch::drive::{FrontEnd, FrontEndConstants};
-use bearing_watch::{Detector, Implausible, Reason, Report, Verdict};
+use bearing_watch::{Detector, Evidence, Implausible, Reason, Report, Verdict};
 use rig::ema::EmaTrace;
 
 use super::drive_faults::actuator::{Drive, FURTHER, MODEL};
@@ -25,7 +25,7 @@ struct Outcome {
 fn watch(trace: &EmaTrace, constants: &FrontEndConstants, start: usize, faults: &[&Fault]) -> Outcome {
     let mut front_end = FrontEnd::<FURTHER, 10>::new(constants).expect("good constants");
     let mut detector = Detector::<Drive>::new(&MODEL);
-    let mut evidence = MODEL.evidence();
+    let mut evidence = Evidence::new(&MODEL);
     let mut outcome = Outcome { verdicts: vec![], named: vec![false; faults.len()], alarm: false, withdrawn: 0 };
     let mut started = false;
     // Each report is kept until the next segment has closed.

@@ -109,7 +109,7 @@ fn models_of_other_versions_are_to_be_trained_again() {
         let end = bytes.len() - 4;
         let check = crc(&bytes[..end]).to_le_bytes();
         bytes[end..].copy_from_slice(&check);
-        let error = ModelError::Version { found: version.into(), supported: 10 };
+        let error = ModelError::Version { given: version.into(), supported: 10 };
         assert_eq!(read(&bytes), Err(error));
         assert_eq!((Model::<RunTime>::from_sector(&bytes).err(), stored_len(&bytes)), (Some(error), Err(error)));
         let text = error.to_string();

@@ -224,7 +224,7 @@ fn false_alarms_are_at_least_as_rare_as_set() {
     for set in [100.0, 1000.0] {
         let healthy_only = model(1, set, 1.0);
         let uniform = run_length(400, |random| {
-            let (mut evidence, classifier) = (healthy_only.evidence(), &healthy_only.constants().classifier);
+            let (mut evidence, classifier) = (Evidence::new(&healthy_only), &healthy_only.constants().classifier);
             let mut length = 1;
             let decision = |p: f32| classifier.decide(healthy_only.plan(), &[0.0], -p.ln());
             while evidence.observe(decision(1.0 - random.random::<f32>()).as_ref()).is_none() {
@@ -234,7 +234,7 @@ fn false_alarms_are_at_least_as_rare_as_set() {
         });
         let three = model(3, set, 3.0);
         let classes = run_length(400, |random| {
-            let (mut evidence, classifier) = (three.evidence(), &three.constants().classifier);
+            let (mut evidence, classifier) = (Evidence::new(&three), &three.constants().classifier);
             let mut length = 1;
             let z = |random: &mut ChaCha8Rng| -> f32 { StandardNormal.sample(random) };
             while evidence.observe(classifier.decide_at(three.plan(), &[z(random)], &[]).as_ref()).is_none() {
@@ -256,7 +256,7 @@ fn a_defect_alarms_within_three_segments_by_name_and_stays_until_reset() {
     // One in 360 000 segments: 1000 hours of 10 s.
     let model = model(3, 360_000.0, 3.0);
     for (centre, cause) in [(9.0, Cause::Class(1)), (-9.0, Cause::Class(2))] {
-        let mut evidence = model.evidence();
+        let mut evidence = Evidence::new(&model);
         let mut observe = |evidence: &mut Evidence<RunTime>, centre: f32| {
             let noise: f32 = StandardNormal.sample(&mut random);
             evidence.observe(model.constants().classifier.decide_at(model.plan(), &[centre + noise], &[]).as_ref())
@@ -280,7 +280,7 @@ fn a_defect_alarms_within_three_segments_by_name_and_stays_until_reset() {
 /// What the evidence of three classes holds after these distances from a healthy class that is the most plausible.
 fn observed(distances: &[f32]) -> Evidence<RunTime> {
     let model = model(3, 1000.0, 3.0);
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(&model);
     let plausible = model.constants().classifier.decide(model.plan(), &[0.0, -9.0, -9.0], 0.5);
     let mut decision = plausible.expect("finite likelihoods");
     for distance in distances {

@@ -30,7 +30,7 @@ fn decision<P: Plan>(model: &Model<P>, k: u32) -> Decision<P> {
 
 /// Evidence after so many segments, every fifth of them undetermined.
 pub fn evidence_after<P: Plan>(model: &Model<P>, segments: u32) -> Evidence<P> {
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(model);
     for k in 0..segments {
         evidence.observe((k % 5 != 4).then(|| decision(model, k)).as_ref());
     }
@@ -38,15 +38,16 @@ pub fn evidence_after<P: Plan>(model: &Model<P>, segments: u32) -> Evidence<P> {
 }
 
 fn saved<P: Plan>(model: &Model<P>, evidence: &Evidence<P>, baseline: Option<&Baseline<P>>) -> Vec<u8> {
-    let mut bytes = vec![0xA5; model.saved_len() + 3];
-    assert_eq!(model.save(evidence, baseline, &mut bytes), Ok(model.saved_len()));
-    assert_eq!(&bytes[model.saved_len()..], [0xA5; 3]);
-    bytes.truncate(model.saved_len());
+    let length = Evidence::saved_len(model);
+    let mut bytes = vec![0xA5; length + 3];
+    assert_eq!(evidence.save(model, baseline, &mut bytes), Ok(length));
+    assert_eq!(&bytes[length..], [0xA5; 3]);
+    bytes.truncate(length);
     bytes
 }
 
 fn baseline<P: Plan>(model: &Model<P>) -> Baseline<P> {
-    model.baseline(BaselineConstants::new(50.0, 2.0)).expect("a healthy class")
+    Baseline::new(model, BaselineConstants::new(50.0, 2.0)).expect("a healthy class")
 }
 
 #[test]
@@ -54,8 +55,8 @@ fn a_restored_alarm_continues_as_the_saved_one() {
     let model = alarming();
     for segments in [0, 1, 3, 4, 7, 40, 41] {
         let mut own = evidence_after(&model, segments);
-        let mut other = model.evidence();
-        assert_eq!(model.restore(&saved(&model, &own, None), &mut other, None), Ok(()));
+        let mut other = Evidence::new(&model);
+        assert_eq!(other.restore(&model, &saved(&model, &own, None), None), Ok(()));
         assert_eq!(other, own, "{segments}");
         for k in segments..segments + 60 {
             let decision = decision(&model, k / 2);
@@ -76,22 +77,22 @@ fn a_baseline_is_saved_beside_the_alarm() {
     let offset: Vec<f32> = own.offset().iter().zip(1_u8..).map(|(_, k)| 0.01 * f32::from(k)).collect();
     assert!(own.restore(&offset, true));
     let bytes = saved(&model, &evidence_after(&model, 9), Some(&own));
-    let (mut evidence, mut other) = (model.evidence(), baseline(&model));
-    assert_eq!(model.restore(&bytes, &mut evidence, Some(&mut other)), Ok(()));
+    let (mut evidence, mut other) = (Evidence::new(&model), baseline(&model));
+    assert_eq!(evidence.restore(&model, &bytes, Some(&mut other)), Ok(()));
     assert_eq!((&evidence, &other), (&evidence_after(&model, 9), &own));
     // A state without a baseline leaves it; a program without one ignores it.
-    let without = saved(&model, &model.evidence(), None);
+    let without = saved(&model, &Evidence::new(&model), None);
     assert_eq!(without.len(), bytes.len());
-    assert_eq!(model.restore(&without, &mut evidence, Some(&mut other)), Ok(()));
-    assert_eq!((&evidence, &other), (&model.evidence(), &own));
-    assert_eq!(model.restore(&bytes, &mut evidence, None), Ok(()));
+    assert_eq!(evidence.restore(&model, &without, Some(&mut other)), Ok(()));
+    assert_eq!((&evidence, &other), (&Evidence::new(&model), &own));
+    assert_eq!(evidence.restore(&model, &bytes, None), Ok(()));
 }
 
 /// Refuses to restore these bytes, and changes nothing.
 fn refusal<P: Plan>(model: &Model<P>, bytes: &[u8]) -> StateError {
     let (mut evidence, mut own) = (evidence_after(model, 5), baseline(model));
     let before = (evidence.clone(), own.clone());
-    let error = model.restore(bytes, &mut evidence, Some(&mut own)).expect_err("altered");
+    let error = evidence.restore(model, bytes, Some(&mut own)).expect_err("altered");
     assert_eq!((evidence, own), before);
     error
 }
@@ -111,10 +112,10 @@ fn altered_bytes_other_models_and_other_lengths_are_refused() {
     }
     assert_eq!(refusal(&model, &[&bytes[..], &[0]].concat()), StateError::Truncated);
     assert_eq!(refusal(&model, b"BWMD and so on"), StateError::NotAState);
-    let error = MODEL.restore(&bytes, &mut MODEL.evidence(), None);
-    assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), own: MODEL.id() }));
-    let mut short = vec![0; model.saved_len() - 1];
-    assert_eq!(model.save(&model.evidence(), None, &mut short), Err(StateError::BufferTooSmall));
+    let error = Evidence::new(&MODEL).restore(&MODEL, &bytes, None);
+    assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), expected: MODEL.id() }));
+    let mut short = vec![0; Evidence::saved_len(&model) - 1];
+    assert_eq!(Evidence::new(&model).save(&model, None, &mut short), Err(StateError::BufferTooSmall));
 }
 
 /// The bytes with another word behind the header, and the checksum that fits.
@@ -188,8 +189,8 @@ fn numbers_that_segments_of_this_model_cannot_leave_are_refused() {
         assert_eq!(refusal(&model, &with_word(bytes, place, word)), StateError::Value, "{what}");
     }
     // The state of a run that is not over is good as it is.
-    let (mut evidence, open) = (model.evidence(), evidence_after(&model, 4));
-    assert_eq!(model.restore(&saved(&model, &open, None), &mut evidence, None), Ok(()));
+    let (mut evidence, open) = (Evidence::new(&model), evidence_after(&model, 4));
+    assert_eq!(evidence.restore(&model, &saved(&model, &open, None), None), Ok(()));
     assert_eq!(evidence, open);
 }
 
@@ -222,8 +223,8 @@ fn words_and_flags_without_a_meaning_are_refused() {
 #[test]
 fn a_baseline_beyond_its_bound_or_of_other_constants_is_refused() {
     let model = alarming();
-    let mut wide = model.baseline(BaselineConstants::new(50.0, 5.0)).expect("good constants");
-    let mut narrow = model.baseline(BaselineConstants::new(50.0, 1.0)).expect("good constants");
+    let mut wide = Baseline::new(&model, BaselineConstants::new(50.0, 5.0)).expect("good constants");
+    let mut narrow = Baseline::new(&model, BaselineConstants::new(50.0, 1.0)).expect("good constants");
     let mut offset = vec![0.0; wide.offset().len()];
     let last = offset.len() - 1;
     // Its deviation given those before it is 0.087: 4.6 deviations.
@@ -235,14 +236,14 @@ fn a_baseline_beyond_its_bound_or_of_other_constants_is_refused() {
     let bytes = saved(&model, &evidence_after(&model, 9), Some(&wide));
     let mut evidence = evidence_after(&model, 5);
     let before = (evidence.clone(), narrow.clone());
-    let error = model.restore(&bytes, &mut evidence, Some(&mut narrow));
+    let error = evidence.restore(&model, &bytes, Some(&mut narrow));
     assert!(matches!(error, Err(StateError::Value | StateError::OtherBaseline)), "{error:?}");
     assert_eq!((&evidence, &narrow), (&before.0, &before.1));
     // Other constants under an offset that fits both.
     wide.reset();
     let bytes = saved(&model, &evidence_after(&model, 9), Some(&wide));
-    assert_eq!(model.restore(&bytes, &mut evidence, Some(&mut narrow)), Err(StateError::OtherBaseline));
-    assert_eq!(model.restore(&bytes, &mut evidence, Some(&mut wide)), Ok(()));
+    assert_eq!(evidence.restore(&model, &bytes, Some(&mut narrow)), Err(StateError::OtherBaseline));
+    assert_eq!(evidence.restore(&model, &bytes, Some(&mut wide)), Ok(()));
 }
 
 #[test]
@@ -258,8 +259,8 @@ fn a_state_of_the_first_version_is_read() {
     old.extend([0; 4]);
     let first = words(&old)[0];
     let old = with_word(&old, 0, first);
-    let mut evidence = model.evidence();
-    assert_eq!(model.restore(&old, &mut evidence, None), Ok(()));
+    let mut evidence = Evidence::new(&model);
+    assert_eq!(evidence.restore(&model, &old, None), Ok(()));
     assert_eq!(
         (evidence.score(), evidence.segments(), evidence.trend()),
         (before.score(), before.segments(), before.trend())
@@ -267,7 +268,7 @@ fn a_state_of_the_first_version_is_read() {
     let mut later = bytes;
     later[4] = 3;
     let error = refusal(&model, &later);
-    assert_eq!(error, StateError::Version { found: 3, supported: 2 });
+    assert_eq!(error, StateError::Version { given: 3, supported: 2 });
 }
 
 #[test]
@@ -278,10 +279,10 @@ fn a_silence_goes_on_after_power_off() {
         (0..4).for_each(|_| _ = evidence.observe_outcome(Err(Reason::Stuck { channel: 2 })));
         evidence.silence()
     };
-    let mut quiet = model.evidence();
+    let mut quiet = Evidence::new(&model);
     assert_eq!(silent(&mut quiet), None);
-    let mut other = model.evidence();
-    assert_eq!(model.restore(&saved(&model, &quiet, None), &mut other, None), Ok(()));
+    let mut other = Evidence::new(&model);
+    assert_eq!(other.restore(&model, &saved(&model, &quiet, None), None), Ok(()));
     let silence = silent(&mut other).expect("eight segments");
     assert_eq!((silence.segments, silence.with_reason, silence.reason), (8, 8, Some(Reason::Stuck { channel: 2 })));
 }

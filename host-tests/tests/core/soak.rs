@@ -207,7 +207,7 @@ impl Watch {
         Self {
             front_end: FrontEnd::new(constants).expect("good constants"),
             detector: Detector::new(&MODEL),
-            evidence: MODEL.evidence(),
+            evidence: Evidence::new(&MODEL),
             solver: None,
             held: None,
             open: Known::default(),

@@ -39,8 +39,8 @@ fn model(cost: f32) -> (Model<Drive>, Vec<u8>) {
 }
 
 fn saved(model: &Model<Drive>, evidence: &Evidence<Drive>) -> Vec<u8> {
-    let mut bytes = vec![0; model.saved_len()];
-    assert_eq!(model.save(evidence, None, &mut bytes), Ok(bytes.len()));
+    let mut bytes = vec![0; Evidence::saved_len(model)];
+    assert_eq!(evidence.save(model, None, &mut bytes), Ok(bytes.len()));
     bytes
 }
 
@@ -93,8 +93,8 @@ fn cuts<const READ: usize, const WRITE: usize, const ERASE: usize, const PAGE: u
         let booted = booted.expect("a model");
         assert!(booted == models[0].0 || booted == models[1].0);
         let (_, state) = load(&stored.states, &mut flash);
-        let mut evidence = models[0].0.evidence();
-        models[0].0.restore(&state, &mut evidence, None).expect("a state");
+        let mut evidence = Evidence::new(&models[0].0);
+        evidence.restore(&models[0].0, &state, None).expect("a state");
         assert!([3, 30].contains(&evidence.segments().0));
     }
     found

@@ -21,7 +21,7 @@ use bearing_watch::plan::Signals;
 use bearing_watch::telemetry::{
     Body, Decoder, Encoder, LinkCounts, RawEncoder, RawRecorder, Recorder, Source, TooSmall,
 };
-use bearing_watch::{Angle, Detector, Verdict};
+use bearing_watch::{Angle, Detector, Evidence, Verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -42,7 +42,7 @@ fn place(number: u32) -> usize {
 fn samples_and_reports_arrive_as_they_were() {
     let (frames, samples) = sent();
     let mut monitor = Detector::new(&MODEL);
-    let mut evidence = MODEL.evidence();
+    let mut evidence = Evidence::new(&MODEL);
     let mut reports = standard_rig::samples().filter_map(|sample| {
         let report = monitor.step(&sample)?;
         monitor.restart();
@@ -161,7 +161,7 @@ fn orders_and_angles_arrive_too() {
     let model = &shaft::MODEL;
     let mut plant = shaft::Plant::new(3);
     let mut detector = Detector::new(model);
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(model);
     let mut encoder = Encoder::new(model, Source { model_id: 0xFFFF_FFFF, session: 0 });
     let mut recorder = Recorder::<_, 800>::new(model.plan());
     let mut decoder = Decoder::<1000>::new();
@@ -218,7 +218,7 @@ fn orders_and_angles_arrive_too() {
 #[test]
 fn a_missing_feature_is_nan_and_a_reason_comes_back() {
     let mut detector = Detector::new(&MODEL);
-    let mut evidence = MODEL.evidence();
+    let mut evidence = Evidence::new(&MODEL);
     let report = detector.finish();
     evidence.observe(report.decision.as_ref());
     let mut buffer = [0; 512];

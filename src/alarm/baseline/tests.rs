@@ -37,7 +37,7 @@ fn classifier() -> Classifier<RunTime> {
 }
 
 fn baseline() -> Baseline<RunTime> {
-    Baseline::new(plan(), &classifier().novelty, BaselineConstants::new(TIME, BOUND)).unwrap()
+    Baseline::without_offset(plan(), &classifier().novelty, BaselineConstants::new(TIME, BOUND)).unwrap()
 }
 
 /// The decision on a segment at these coordinates, followed or not.
@@ -116,9 +116,12 @@ fn state_is_stored_and_restored_and_constants_are_checked() {
         (0.1, f32::INFINITY, 1.0),
         (0.1, 41.0, 1.0),
     ] {
-        assert_eq!(Baseline::new(plan(), &classifier().novelty, BaselineConstants { gain, gate, bound }), None);
+        assert_eq!(
+            Baseline::without_offset(plan(), &classifier().novelty, BaselineConstants { gain, gate, bound }),
+            None
+        );
     }
-    assert_eq!(Baseline::new(plan(), &classifier().novelty, BaselineConstants::new(f32::NAN, 1.0)), None);
+    assert_eq!(Baseline::without_offset(plan(), &classifier().novelty, BaselineConstants::new(f32::NAN, 1.0)), None);
 }
 
 #[test]
@@ -147,7 +150,7 @@ fn wear_still_alarms_later_by_no_more_than_the_bound() {
     for seed in 0..20 {
         let (mut draw, mut follower) = (noise(100 + seed), baseline());
         let mut evidence =
-            [0, 1].map(|_| Evidence::new(plan(), constants, &crate::decide::Directions::none(plan()), Some(0)));
+            [0, 1].map(|_| Evidence::empty(plan(), constants, &crate::decide::Directions::none(plan()), Some(0)));
         let mut alarms = [None, None];
         for k in 0..3000 {
             let z = [rate * k as f32 + draw(), draw()];

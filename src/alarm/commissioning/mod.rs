@@ -107,12 +107,10 @@ impl CommissioningConstants {
     }
 }
 
-/// Healthy segments gathered so far. [`Model::commissioning`](crate::Model::commissioning) makes it,
-/// [`Model::gather`](crate::Model::gather) hands it each report of the healthy drive, and
-/// [`Model::commissioned`](crate::Model::commissioned) makes a model of it.
+/// The healthy class of a drive, from the segments gathered so far.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Commissioning<P: Plan> {
+pub struct HealthyClass<P: Plan> {
     constants: CommissioningConstants,
     /// m, κ and f of (2) and (3), and `κ_k` of (6).
     mean: Array<P::Coordinates, f32>,
@@ -128,11 +126,8 @@ pub struct Commissioning<P: Plan> {
     far: u32,
 }
 
-impl<P: Plan> Commissioning<P> {
-    /// Without any segment.
-    ///
-    /// # Errors
-    /// [`CommissioningError::NoHealthyClass`], [`CommissioningError::Constants`].
+impl<P: Plan> HealthyClass<P> {
+    /// Without any segment: the prior.
     pub(crate) fn new(
         plan: P,
         classifier: &Classifier<P>,
@@ -162,20 +157,17 @@ impl<P: Plan> Commissioning<P> {
     }
 
     /// Number of segments gathered.
-    #[must_use]
-    pub const fn gathered(&self) -> u32 {
+    pub(crate) const fn gathered(&self) -> u32 {
         self.gathered
     }
 
     /// Number of segments that were too far from the trained mean.
-    #[must_use]
-    pub const fn far(&self) -> u32 {
+    pub(crate) const fn far(&self) -> u32 {
         self.far
     }
 
     /// m, the merged mean so far.
-    #[must_use]
-    pub fn mean(&self) -> &[f32] {
+    pub(crate) fn mean(&self) -> &[f32] {
         self.mean.cells()
     }
 

@@ -49,9 +49,9 @@ fn constants(fewest: u32, mean_weight: f32, covariance_weight: f32) -> Commissio
     CommissioningConstants { mean_weight, covariance_weight, ..limits }
 }
 
-fn started(trained: &Classifier<RunTime>, constants: CommissioningConstants) -> Commissioning<RunTime> {
+fn started(trained: &Classifier<RunTime>, constants: CommissioningConstants) -> HealthyClass<RunTime> {
     let coordinates = trained.novelty.mean.len() as u8;
-    Commissioning::new(plan(coordinates, trained.novelty.laws.len().saturating_sub(1) as u8), trained, constants)
+    HealthyClass::new(plan(coordinates, trained.novelty.laws.len().saturating_sub(1) as u8), trained, constants)
         .unwrap()
 }
 
@@ -289,7 +289,7 @@ fn segments_that_cannot_be_used_are_refused_and_change_nothing() {
             "{z:?}"
         );
     }
-    assert_eq!(commissioning, Commissioning { far: 4, ..before });
+    assert_eq!(commissioning, HealthyClass { far: 4, ..before });
 }
 
 #[test]
@@ -322,7 +322,7 @@ fn too_few_too_many_far_and_too_wide_are_refused() {
 #[test]
 fn constants_out_of_range_are_refused() {
     let trained = classifier(2, 0, 1.0);
-    let refused = |constants| Commissioning::new(plan(2, 0), &trained, constants).err();
+    let refused = |constants| HealthyClass::new(plan(2, 0), &trained, constants).err();
     let good = constants(20, 1.0, 4.0);
     assert_eq!(refused(good), None);
     for bad in [
@@ -341,5 +341,5 @@ fn constants_out_of_range_are_refused() {
     }
     let mut unknown = trained.clone();
     unknown.novelty.class = None;
-    assert_eq!(Commissioning::new(plan(2, 0), &unknown, good).err(), Some(CommissioningError::NoHealthyClass));
+    assert_eq!(HealthyClass::new(plan(2, 0), &unknown, good).err(), Some(CommissioningError::NoHealthyClass));
 }

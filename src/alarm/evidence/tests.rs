@@ -11,11 +11,11 @@ fn plan() -> RunTime {
 }
 
 fn evidence(healthy: Option<u8>) -> Evidence<RunTime> {
-    Evidence::new(plan(), CONSTANTS, &Directions::none(plan()), healthy)
+    Evidence::empty(plan(), CONSTANTS, &Directions::none(plan()), healthy)
 }
 
 fn of_runs(segments_a_run: u32) -> Evidence<RunTime> {
-    Evidence::new(plan(), EvidenceConstants { segments_a_run, ..CONSTANTS }, &Directions::none(plan()), Some(0))
+    Evidence::empty(plan(), EvidenceConstants { segments_a_run, ..CONSTANTS }, &Directions::none(plan()), Some(0))
 }
 
 fn decision(surprise: f32, log_likelihoods: [f32; 3]) -> Decision<RunTime> {
@@ -207,8 +207,8 @@ fn a_segment_beyond_the_gate_of_a_defect_does_not_speak_for_it() {
 /// The evidence of these words, all of one state; `None` if they are none that segments can leave.
 fn restored(words: &[u32]) -> Option<Evidence<RunTime>> {
     let (mut other, mut words) = (evidence(Some(0)), words.iter().copied());
-    other.restore(&mut || words.next())?;
-    other.restore_later(&mut || words.next())?;
+    other.restore_first(&mut || words.next())?;
+    other.restore_second(&mut || words.next())?;
     (words.next().is_none() && other.is_plausible()).then_some(other)
 }
 
@@ -220,8 +220,8 @@ fn words_that_no_segments_leave_are_refused() {
     }
     observed.observe(None);
     let mut words = std::vec::Vec::new();
-    observed.save(&mut |word| words.push(word));
-    observed.save_later(&mut |word| words.push(word));
+    observed.save_first(&mut |word| words.push(word));
+    observed.save_second(&mut |word| words.push(word));
     assert_eq!(restored(&words).as_ref(), Some(&observed));
     assert_eq!(restored(&words[..words.len() - 1]), None);
     let changed = |place: usize, word: u32| {

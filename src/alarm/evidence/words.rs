@@ -13,7 +13,7 @@ const COMMON: usize = 11;
 /// Words a class.
 const EACH: usize = 3;
 /// Words of the second part.
-const LATER: usize = 7;
+const SECOND: usize = 7;
 /// The cause of an alarm is a number: none, unknown, and from here on the class.
 const FIRST_CLASS: u32 = 2;
 /// Or a coordinate with this bit.
@@ -23,7 +23,7 @@ const THIRD: usize = 5;
 
 impl<P: Plan> Evidence<P> {
     /// Number of words of the second part.
-    pub(crate) const LATER_WORDS: usize = LATER;
+    pub(crate) const SECOND_WORDS: usize = SECOND;
 
     /// Number of words of the third part for so many directions.
     pub(crate) const fn third_words(directions: u8) -> usize {
@@ -36,7 +36,7 @@ impl<P: Plan> Evidence<P> {
     }
 
     /// Hands out the words in their order.
-    pub(crate) fn save(&self, put: &mut impl FnMut(u32)) {
+    pub(crate) fn save_first(&self, put: &mut impl FnMut(u32)) {
         let (cause, segment) = match self.alarm {
             None => (0, 0),
             Some(Alarm { segment, cause: Cause::Unknown }) => (1, segment),
@@ -54,7 +54,7 @@ impl<P: Plan> Evidence<P> {
     }
 
     /// Hands out the words of the second part.
-    pub(crate) fn save_later(&self, put: &mut impl FnMut(u32)) {
+    pub(crate) fn save_second(&self, put: &mut impl FnMut(u32)) {
         let [_, older] = self.drift.words();
         older.into_iter().chain(self.silent.words()).for_each(put);
     }
@@ -87,7 +87,7 @@ impl<P: Plan> Evidence<P> {
 
     /// Takes the words in their order; `None` if one is missing or none that an alarm can have. The state is then of no
     /// use.
-    pub(crate) fn restore(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
+    pub(crate) fn restore_first(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
         (self.segments, self.undetermined, self.run) = (take()?, take()?, take()?);
         let (cause, segment) = (take()?, take()?);
         self.alarm = match cause {
@@ -110,7 +110,7 @@ impl<P: Plan> Evidence<P> {
     }
 
     /// Takes the words of the second part; `None` as for the first one.
-    pub(crate) fn restore_later(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
+    pub(crate) fn restore_second(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
         let [newer, _] = self.drift.words();
         self.drift = Drift::from_words([newer, [take()?, take()?, take()?, take()?]])?;
         self.silent.restore([take()?, take()?, take()?], self.undetermined)

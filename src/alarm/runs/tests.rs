@@ -22,7 +22,7 @@ fn evidence_of(list: Vec<Direction>, margin: f32, segments_a_run: u32) -> Eviden
     let plan = plan(u8::try_from(list.len()).unwrap());
     let constants = EvidenceConstants { limit: LIMIT, cap: CAP, segments_a_run, ..EvidenceConstants::NONE };
     let directions = Directions { list, usual_segments: RUN as f32, margin, most_runs: 60 };
-    Evidence::new(plan, constants, &directions, Some(0))
+    Evidence::empty(plan, constants, &directions, Some(0))
 }
 
 fn decision(values: &[f32]) -> Decision<RunTime> {

@@ -21,7 +21,7 @@ fn segments(model: &Model<Drive>, gains: &[f32]) -> Vec<Segment<Drive>> {
 
 /// The evidence of reports that are taken at once.
 fn at_once(model: &Model<Drive>, reports: &[Report<Drive>]) -> Evidence<Drive> {
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(model);
     for report in reports {
         evidence.observe_outcome(report.outcome());
     }
@@ -135,7 +135,7 @@ fn an_alarm_names_the_segment_and_survives_power_off_with_the_baseline() {
     later.restore(&bytes[..length]).expect("its own state");
     assert_eq!((later.evidence(), later.baseline()), (monitor.evidence(), monitor.baseline()));
     assert_eq!(later.report(), None, "what was held is not in the state");
-    for (monitor, segment) in [&mut monitor, &mut later].into_iter().flat_map(|own| [(own, 3)]) {
+    for (monitor, segment) in [&mut monitor, &mut later].into_iter().flat_map(|monitor| [(monitor, 3)]) {
         monitor.conclude(all[segment].clone());
         monitor.conclude(all[segment + 1].clone());
         assert_eq!(monitor.end_run().map(|alarm| alarm.cause), Some(Cause::Class(1)));
@@ -197,7 +197,7 @@ fn a_report_is_withdrawn_before_the_next_segment_by_its_number() {
 fn a_step_is_both_halves_at_once() {
     let model = gated();
     let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
-    let (mut alone, mut evidence) = (Detector::new(&model), model.evidence());
+    let (mut alone, mut evidence) = (Detector::new(&model), Evidence::new(&model));
     for sample in stream(&GAINS) {
         let expected = alone.step(&sample);
         let now = monitor.step(&mut detector, &sample);

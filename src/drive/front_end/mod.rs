@@ -311,14 +311,14 @@ where
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "an error of the angle below π; `as` saturates")]
     fn filter(&mut self, held: Held<FURTHER>, velocity_rad_s: f32) -> Option<CleanSample<FURTHER>> {
-        let (own, further) = ([held.current_a, velocity_rad_s, held.error_rad], held.further);
+        let (signals, further) = ([held.current_a, velocity_rad_s, held.error_rad], held.further);
         if self.to_centre == 0 {
             self.centres.put(held.angle);
             self.to_centre = const { FACTOR as u16 };
         }
         self.to_centre = self.to_centre.wrapping_sub(1);
         let further = self.further.push(further);
-        let [current_a, velocity_rad_s, error_rad] = self.filters.push(own)?;
+        let [current_a, velocity_rad_s, error_rad] = self.filters.push(signals)?;
         let angle = self.centres.get(Self::BACK).turned((error_rad * (1.0 / RAD)) as i32); // (1)
         let further = further.unwrap_or([f32::NAN; FURTHER]);
         Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late: self.found_late() })

@@ -183,9 +183,9 @@ fn without_an_angle_there_is_no_current_and_no_velocity() {
             }
         });
         let [current, velocity, further] = missing(&outputs);
-        let found = if lost > 20 { 22 } else { 0 };
-        assert!(around(current, 3000, 2999 + lost + found) && further.is_none(), "{current:?}");
-        assert!(around(velocity, 3000, 2999 + lost + found), "{velocity:?}");
+        let relock = if lost > 20 { 22 } else { 0 };
+        assert!(around(current, 3000, 2999 + lost + relock) && further.is_none(), "{current:?}");
+        assert!(around(velocity, 3000, 2999 + lost + relock), "{velocity:?}");
         assert_eq!((faults.position.missing, faults.lock), (lost, Lock::Locked));
     }
 }
@@ -299,7 +299,8 @@ fn the_third_angle_gives_the_first_velocity() {
     let drive = Drive { passed_hz: 300.0 };
     let clean: Vec<_> = (0..60).filter_map(|number| front_end.push(&drive.raw(number, 0.0))).collect();
     let first = |known: fn(&CleanSample<2>) -> bool| clean.iter().position(known);
-    let (current, velocity) = (first(|own| own.current_a.is_finite()), first(|own| own.velocity_rad_s.is_finite()));
+    let (current, velocity) =
+        (first(|clean| clean.current_a.is_finite()), first(|clean| clean.velocity_rad_s.is_finite()));
     // The current waits for one angle more, the velocity at its instant needs the angles before and after.
     assert_eq!(velocity, current.map(|current| current + 1));
 }

@@ -125,8 +125,8 @@ fn the_angle_alone_moves_the_quadrature_current_by_a_fifth_of_a_percent_at_most(
             // A quadrature current of 10 A in the true frame.
             let (sin, cos) = (6.0 * truth).sin_cos();
             let stationary = AlphaBeta { alpha: (-10.0 * sin) as f32, beta: (10.0 * cos) as f32, zero: 0.0 };
-            let found = frame.transform(stationary, tracked.angle);
-            sum += if k < samples.start { 0.0 } else { (f64::from(found.q) - 10.0).powi(2) };
+            let current = frame.transform(stationary, tracked.angle);
+            sum += if k < samples.start { 0.0 } else { (f64::from(current.q) - 10.0).powi(2) };
         }
         let part = (sum / samples.len() as f64).sqrt() / 10.0;
         std::println!("quadrature current: {:.3} % rms", 100.0 * part);
@@ -224,9 +224,9 @@ fn a_wrong_first_reading_costs_few_samples() {
     for sensor in SENSORS {
         for wrong in 0..64 {
             let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(5));
-            let own = sensor(TURN * f64::from(wrong) / 64.0, &mut noise);
+            let wrong_reading = sensor(TURN * f64::from(wrong) / 64.0, &mut noise);
             let locked = (0..20_000).position(|k| {
-                let reading = if k == 0 { own } else { sensor(0.03 * f64::from(k), &mut noise) };
+                let reading = if k == 0 { wrong_reading } else { sensor(0.03 * f64::from(k), &mut noise) };
                 tracker.push(&reading).is_some()
             });
             longest = longest.max(locked.expect("locked within 2 s"));

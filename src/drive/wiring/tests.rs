@@ -85,19 +85,19 @@ fn the_direction_that_differs_from_the_other_two_is_named() {
 #[test]
 fn offset_delay_and_rate_are_measured() {
     for error in [0.3, -0.3, 1.5, -1.5] {
-        let found = Rig { offset_rad: error, delay_s: 1e-5, ..RIGHT }.check();
-        let Err(WiringFault::Offset { error_rad }) = found else { panic!("{found:?}") };
+        let outcome = Rig { offset_rad: error, delay_s: 1e-5, ..RIGHT }.check();
+        let Err(WiringFault::Offset { error_rad }) = outcome else { panic!("{outcome:?}") };
         assert!((f64::from(error_rad) - error).abs() < 2e-3, "{error} {error_rad}");
     }
     for delay in [1e-4, -5e-5] {
-        let found = Rig { delay_s: delay, ..RIGHT }.check();
-        let Err(WiringFault::Delay { delay_s }) = found else { panic!("{found:?}") };
+        let outcome = Rig { delay_s: delay, ..RIGHT }.check();
+        let Err(WiringFault::Delay { delay_s }) = outcome else { panic!("{outcome:?}") };
         // One delay for all speeds, weighted by the current at the mean one.
         assert!((f64::from(delay_s) / delay - 1.0).abs() < 0.2, "{delay} {delay_s}");
     }
     for scale in [0.5, 2.0, 9.549_3] {
-        let found = Rig { scale, ..RIGHT }.check();
-        let Err(WiringFault::RateOrUnit { ratio }) = found else { panic!("{found:?}") };
+        let outcome = Rig { scale, ..RIGHT }.check();
+        let Err(WiringFault::RateOrUnit { ratio }) = outcome else { panic!("{outcome:?}") };
         assert!((f64::from(ratio) / scale - 1.0).abs() < 1e-3, "{scale} {ratio}");
     }
 }

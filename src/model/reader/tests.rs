@@ -113,7 +113,7 @@ fn variants_are_those_of_their_bytes_and_no_others() {
         let mut bytes = LAYOUT;
         bytes[place] = byte;
         let layout = Reader(&bytes).layout(true)?;
-        Ok(layout.regression.map(|own| (own.structure.offset, own.method, own.memory)))
+        Ok(layout.regression.map(|regression| (regression.structure.offset, regression.method, regression.memory)))
     };
     let (squares, instruments) = (Method::LeastSquares, Method::Instruments);
     assert_eq!(at(2, 0), Ok(Some((false, instruments, Memory::Fading))));
@@ -241,29 +241,29 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
 }
 
 /// Numbers from 71 on.
-fn classifier(own: &mut Payload) {
-    own.bytes.extend([8, 0, 5, 0]); // the features
-    own.bytes.extend([9, 0]); // the covariate
-    own.floats(4); // from 71: centre, low, high, usual
-    own.floats(4); // from 75: map of the covariate, two numbers a feature
-    own.floats(2 + 2 + 2); // from 79: matrix; 81: means; 83: usual values
-    own.floats(2 + 1 + 2 + 4 + 1); // from 85: means; 87: factor; 88: priors; 90: costs; 94: of a rejection
-    own.bytes.push(1); // the healthy class
-    own.floats(1 + 1 + 2 * KNOTS + 1); // from 95: mean; 96: factor; 97: law; 145: limit
-    own.floats(1 + 2 * 2 * KNOTS); // 146: freedom; from 147: two laws
-    own.floats(2); // from 243: segments of a usual run, margin
-    own.bytes.extend([3, 4]); // runs that are learned
-    own.bytes.push(7); // the coordinate of the direction
+fn classifier(payload: &mut Payload) {
+    payload.bytes.extend([8, 0, 5, 0]); // the features
+    payload.bytes.extend([9, 0]); // the covariate
+    payload.floats(4); // from 71: centre, low, high, usual
+    payload.floats(4); // from 75: map of the covariate, two numbers a feature
+    payload.floats(2 + 2 + 2); // from 79: matrix; 81: means; 83: usual values
+    payload.floats(2 + 1 + 2 + 4 + 1); // from 85: means; 87: factor; 88: priors; 90: costs; 94: of a rejection
+    payload.bytes.push(1); // the healthy class
+    payload.floats(1 + 1 + 2 * KNOTS + 1); // from 95: mean; 96: factor; 97: law; 145: limit
+    payload.floats(1 + 2 * 2 * KNOTS); // 146: freedom; from 147: two laws
+    payload.floats(2); // from 243: segments of a usual run, margin
+    payload.bytes.extend([3, 4]); // runs that are learned
+    payload.bytes.push(7); // the coordinate of the direction
     for place in 1..=4 {
-        own.bytes.push(place);
-        own.floats(1); // from 245: weight in the background
+        payload.bytes.push(place);
+        payload.floats(1); // from 245: weight in the background
     }
-    own.floats(5); // from 249: centre, and the law
-    own.floats(3); // from 254: bet, limit, cap
-    own.word(); // 257: segments a run
-    own.floats(2); // from 258: means of the logarithms
-    own.text("good", 16);
-    own.text("spall", 16);
+    payload.floats(5); // from 249: centre, and the law
+    payload.floats(3); // from 254: bet, limit, cap
+    payload.word(); // 257: segments a run
+    payload.floats(2); // from 258: means of the logarithms
+    payload.text("good", 16);
+    payload.text("spall", 16);
 }
 
 #[test]

@@ -16,13 +16,13 @@ pub struct Alone<'m, P: Plan> {
     estimator: Estimator<P>,
 }
 
-/// A closed segment.
+/// A closed segment, and its solve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detached<P: Plan> {
-    /// The sums.
-    pub sums: RegressionSums<P>,
-    /// Samples, rows and channels of the segment that were refused or weighted less.
-    pub counts: Counts,
+    plan: P,
+    sums: RegressionSums<P>,
+    solve: RegressionSolve<P>,
+    estimate: Estimate<P>,
 }
 
 impl<'m, P: Plan> Alone<'m, P> {
@@ -58,14 +58,21 @@ impl<'m, P: Plan> Alone<'m, P> {
         Counts { downweighted, resting, refused, ..self.gate.counts }
     }
 
-    fn sums(&self) -> Detached<P> {
-        Detached { sums: self.estimator.sums(self.plan, self.constants.rest), counts: self.counts() }
+    /// The open segment as if it were closed; no estimate if a channel is stuck.
+    fn segment(&self) -> Detached<P> {
+        let mut estimate = Estimate::empty(self.plan);
+        let mask = self.plan.layout().regression.map_or(0, |layout: RegressionLayout| layout.mask());
+        if let Some(channel) = self.gate.counts.stuck.first_of(mask) {
+            estimate.reason = Some(Reason::Stuck { channel });
+        }
+        let sums = self.estimator.sums(self.plan, self.constants.rest);
+        Detached { plan: self.plan, sums, solve: RegressionSolve::new(self.plan), estimate }
     }
 
     /// The estimate of the open segment, which stays open.
     #[must_use]
     pub fn estimate(&self) -> Estimate<P> {
-        self.solve(self.sums())
+        self.segment().finish(self.constants)
     }
 
     /// Closes the segment and solves it; its estimate becomes the next auxiliary model.
@@ -76,45 +83,17 @@ impl<'m, P: Plan> Alone<'m, P> {
         estimate
     }
 
-    /// Closes the segment and hands out its sums.
+    /// Closes the segment and hands it out.
     pub fn detach(&mut self) -> Detached<P> {
-        let sums = self.sums();
+        let segment = self.segment();
         self.next_segment();
-        sums
+        segment
     }
 
     /// Starts a segment.
     pub fn next_segment(&mut self) {
         self.gate.next_segment();
         self.estimator.next_segment(self.plan, self.constants);
-    }
-
-    /// Solves a closed segment at once.
-    #[must_use]
-    pub fn solve(&self, mut detached: Detached<P>) -> Estimate<P> {
-        let mut estimate = self.unsolved(&detached);
-        let mut solve = RegressionSolve::new(self.plan);
-        let stuck = matches!(estimate.reason, Some(Reason::Stuck { .. }));
-        while !stuck && !solve.advance(self.plan, self.constants, &mut detached.sums, &mut estimate) {}
-        estimate
-    }
-
-    /// No estimate, and the reason if a channel is stuck.
-    fn unsolved(&self, detached: &Detached<P>) -> Estimate<P> {
-        let mut estimate = Estimate::empty(self.plan);
-        let mask = self.plan.layout().regression.map_or(0, |layout: RegressionLayout| layout.mask());
-        if let Some(channel) = detached.counts.stuck.first_of(mask) {
-            estimate.reason = Some(Reason::Stuck { channel });
-        }
-        estimate
-    }
-
-    /// The solve of a closed segment in steps.
-    #[must_use]
-    pub fn steps(&self, detached: Detached<P>) -> Steps<P> {
-        let estimate = self.unsolved(&detached);
-        let done = matches!(estimate.reason, Some(Reason::Stuck { .. }));
-        Steps { plan: self.plan, sums: detached.sums, solve: RegressionSolve::new(self.plan), estimate, done }
     }
 
     /// Offers an estimate as the next auxiliary model.
@@ -128,23 +107,19 @@ impl<'m, P: Plan> Alone<'m, P> {
     }
 }
 
-/// A solve under way.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Steps<P: Plan> {
-    plan: P,
-    sums: RegressionSums<P>,
-    solve: RegressionSolve<P>,
-    estimate: Estimate<P>,
-    done: bool,
-}
-
-impl<P: Plan> Steps<P> {
-    /// Does the next step; the estimate once it is complete.
+impl<P: Plan> Detached<P> {
+    /// Does the next step of the solve; the estimate once it is complete.
     pub fn advance(&mut self, constants: &Regression<P>) -> Option<&Estimate<P>> {
-        if !self.done {
-            self.done = self.solve.advance(self.plan, constants, &mut self.sums, &mut self.estimate);
-        }
-        self.done.then_some(&self.estimate)
+        let stuck = matches!(self.estimate.reason, Some(Reason::Stuck { .. }));
+        let done = stuck || self.solve.advance(self.plan, constants, &mut self.sums, &mut self.estimate);
+        done.then_some(&self.estimate)
+    }
+
+    /// Solves it at once.
+    #[must_use]
+    pub fn finish(mut self, constants: &Regression<P>) -> Estimate<P> {
+        while self.advance(constants).is_none() {}
+        self.estimate
     }
 }
 

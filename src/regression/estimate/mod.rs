@@ -10,7 +10,7 @@ mod result;
 mod stability;
 
 #[cfg(any(test, feature = "internals"))]
-pub use alone::{Alone, Detached, Steps};
+pub use alone::{Alone, Detached};
 pub use estimator::{Estimator, RegressionSolve, RegressionSums};
 pub use result::Estimate;
 pub use stability::is_stable;

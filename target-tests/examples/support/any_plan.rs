@@ -43,7 +43,7 @@ bearing_watch::bounded_plan! {
 }
 
 /// Values of current, velocity, load and reference, and the angle.
-pub type Values = bearing_watch::plan::Values<CHANNELS>;
+pub type Values = bearing_watch::plan::Values<[f32; CHANNELS]>;
 
 /// A number below `end`, as a count.
 fn below(dice: &mut Dice, end: u8) -> u8 {

@@ -157,15 +157,11 @@ fn outcome<P: Three>(plan: P, way: Way) -> Outcome {
         let counts = stream.counts();
         let estimate = match way {
             Way::Inline => stream.close(),
-            Way::Whole => {
-                let segment = stream.detach();
-                stream.solve(segment)
-            }
+            Way::Whole => stream.detach().finish(&constants),
             Way::Steps => {
-                let segment = stream.detach();
-                let mut steps = stream.steps(segment);
+                let mut segment = stream.detach();
                 loop {
-                    if let Some(estimate) = steps.advance(&constants) {
+                    if let Some(estimate) = segment.advance(&constants) {
                         break estimate.clone();
                     }
                 }

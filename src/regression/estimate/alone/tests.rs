@@ -258,14 +258,14 @@ fn a_deferred_solve_gives_the_same_bits() {
     (constants.handover, constants.settle) = (300, 100);
     let mut inline = Alone::new(refined(false), &channels, &constants);
     let (mut whole, mut steps) = (inline.clone(), inline.clone());
-    let (mut segment, mut solver) = (None, None::<Steps<RunTime>>);
+    let (mut segment, mut solver) = (None, None::<Detached<RunTime>>);
     let mut taken_over = 0;
     for (t, [y, u1, u2]) in samples(10_000, 0.05, [0.0; 3]).enumerate() {
         for stream in [&mut inline, &mut whole, &mut steps] {
             step(stream, y, u1, u2);
         }
         if t % 2000 == 30 {
-            let solved = segment.take().map(|closed| whole.solve(closed));
+            let solved = segment.take().map(|closed: Detached<_>| closed.finish(&constants));
             taken_over += u32::from(solved.is_some_and(|estimate| whole.adopt(&estimate)));
         }
         if let Some(estimate) = solver.as_mut().and_then(|solver| solver.advance(&constants)) {
@@ -275,9 +275,8 @@ fn a_deferred_solve_gives_the_same_bits() {
         if t % 2000 == 1999 {
             let estimate = inline.close();
             segment = Some(whole.detach());
-            let detached = steps.detach();
-            solver = Some(steps.steps(detached));
-            let other = whole.solve(segment.clone().unwrap());
+            solver = Some(steps.detach());
+            let other = segment.clone().unwrap().finish(&constants);
             assert_eq!(estimate, other, "segment ending at {t}");
         }
     }
@@ -294,12 +293,11 @@ fn a_late_estimate_is_refused_and_three_missing_ones_bring_the_nominal_model_bac
     let mut run = |stream: &mut Alone<'_, RunTime>, count: usize| {
         all.by_ref().take(count).for_each(|[y, u1, u2]| step(stream, y, u1, u2));
     };
-    let base = |stream: &Alone<'_, RunTime>| stream.sums().sums.base().to_vec();
+    let base = |stream: &Alone<'_, RunTime>| stream.segment().sums.base().to_vec();
     run(&mut stream, 2000);
     let first = stream.close();
     run(&mut stream, 2000);
-    let second = stream.detach();
-    let second = stream.solve(second);
+    let second = stream.detach().finish(&constants);
     run(&mut stream, usize::from(HANDOVER));
     assert!(!stream.adopt(&second), "one sample too late");
     assert_eq!(stream.counts().refused, 1);

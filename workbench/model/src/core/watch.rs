@@ -47,7 +47,7 @@ impl Watched {
 
 /// State of the core's evidence after each of these segments.
 pub(super) fn over(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Watched> {
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(model);
     let mut observe = |segment: &SegmentReport| {
         match (decision(model, segment), segment.reason) {
             (None, Some(reason)) => evidence.observe_outcome(Err(reason)),

@@ -21,7 +21,7 @@ pub struct Exports {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "FILE")))]
     pub rust: Option<PathBuf>,
-    /// With --rust, also the constants for `Model::commissioning` with so many healthy segments of a drive
+    /// With --rust, also the constants for `Commissioning` with so many healthy segments of a drive
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "SEGMENTS")))]
     pub commissioning: Option<NonZeroU32>,

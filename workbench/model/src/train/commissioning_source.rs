@@ -19,7 +19,7 @@ pub fn commissioning_source(trained: &Trained, segments: u32) -> Result<String, 
     let own = gate.commissioning(segments, trained.watch.evidence)?;
     let CommissioningConstants { mean_weight, covariance_weight, fewest, .. } = own;
     let mut out = format!(
-        "/// For `Model::commissioning`: {fewest} healthy segments of the drive; the trained mean counts as {mean_weight} \
+        "/// For `Commissioning::new`: {fewest} healthy segments of the drive; the trained mean counts as {mean_weight} \
          more of\n/// them, the trained covariance as {covariance_weight}.\n"
     );
     let fields = [

@@ -6,6 +6,7 @@
 //! single-precision reports. Both gates judge later sessions of the drive: healthy ones, and ones with defects. A drive
 //! whose commissioning is refused keeps the gate of the bench, as in service.
 
+use bearing_watch::Commissioning;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -93,15 +94,15 @@ pub fn draw(settings: &Settings, draw: u32) -> Result<Draw, Error> {
             .into_par_iter()
             .map(|session| record(Defect::HEALTHY, session))
             .collect::<Result<_, _>>()?;
-        let mut commissioning = bench.model().commissioning(constants).map_err(refused)?;
+        let mut commissioning = Commissioning::new(bench.model(), constants).map_err(refused)?;
         for own in &healthy {
             if commissioning.gathered() >= settings.gathered {
                 break;
             }
             // A record that is refused is not used; what matters is the end.
-            let _ = bench.model().gather(&mut commissioning, &bench.whole(&own.trace));
+            let _ = commissioning.take(&bench.whole(&own.trace));
         }
-        let commissioned = match bench.model().commissioned(&commissioning) {
+        let commissioned = match commissioning.model() {
             Ok(model) => Embedded::new(model).map_err(|error| Error::Training(error.to_string()))?,
             Err(error) => {
                 found.refused.push(error.to_string());

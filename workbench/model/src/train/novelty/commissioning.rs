@@ -1,6 +1,6 @@
 //! A trained gate → the constants with which a drive merges it with its own healthy segments.
 //!
-//! The core does the merging ([`bearing_watch::alarm::Commissioning`]). The trained mean counts as κ₀ = (1 − λ)/λ
+//! The core does the merging ([`bearing_watch::Commissioning`]). The trained mean counts as κ₀ = (1 − λ)/λ
 //! segments, where λ is the part of the variance that is between drives or runs: that is the weight of the conjugate
 //! prior if means scatter by λ about the trained one and segments by 1 − λ about theirs. Without runs λ is not known,
 //! and κ₀ is 1. The trained covariance contains both parts and is wider than that of one drive: it counts as no more

@@ -21,7 +21,7 @@ fn model() -> Model<Drive> {
 
 /// After three healthy segments with a surprise below all scores, and two without a verdict.
 fn evidence(model: &Model<Drive>) -> Evidence<Drive> {
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(model);
     let decision: Decision<Drive> = model.constants().classifier.decide(Drive, &[0.0, -9.0], 0.5).unwrap();
     (0..3).for_each(|_| _ = evidence.observe(Some(&decision)));
     (0..2).for_each(|_| _ = evidence.observe_outcome(Err(Reason::Stuck { channel: 1 })));
@@ -29,13 +29,13 @@ fn evidence(model: &Model<Drive>) -> Evidence<Drive> {
 }
 
 fn baseline(model: &Model<Drive>, bound: f32) -> Baseline<Drive> {
-    model.baseline(BaselineConstants::new(50.0, bound)).unwrap()
+    Baseline::new(model, BaselineConstants::new(50.0, bound)).unwrap()
 }
 
 /// The bytes, in a buffer that was in use.
 fn saved(model: &Model<Drive>, baseline: Option<&Baseline<Drive>>) -> Vec<u8> {
     let mut bytes = Vec::from([0xA5; 200]);
-    let length = model.save(&evidence(model), baseline, &mut bytes).unwrap();
+    let length = evidence(model).save(model, baseline, &mut bytes).unwrap();
     bytes.truncate(length);
     bytes
 }
@@ -54,9 +54,9 @@ fn with(bytes: &[u8], place: usize, byte: u8) -> Vec<u8> {
 
 /// The error, after which nothing has changed.
 fn refusal(model: &Model<Drive>, bytes: &[u8]) -> StateError {
-    let (mut evidence, mut baseline) = (model.evidence(), baseline(model, 2.0));
+    let (mut evidence, mut baseline) = (Evidence::new(model), baseline(model, 2.0));
     let before = (evidence.clone(), baseline.clone());
-    let error = model.restore(bytes, &mut evidence, Some(&mut baseline)).unwrap_err();
+    let error = evidence.restore(model, bytes, Some(&mut baseline)).unwrap_err();
     assert_eq!((evidence, baseline), before, "{error:?}");
     error
 }
@@ -89,10 +89,10 @@ fn what_is_saved_is_restored_with_a_baseline_and_without() {
     let mut narrow = baseline(&model, 2.0);
     assert!(narrow.restore(&[0.05], true));
     for (kept, given) in [(None, false), (None, true), (Some(&narrow), true), (Some(&narrow), false)] {
-        let (mut evidence, mut other) = (model.evidence(), baseline(&model, 2.0));
+        let (mut evidence, mut other) = (Evidence::new(&model), baseline(&model, 2.0));
         let bytes = saved(&model, kept);
         let expected = if given { kept.cloned().unwrap_or_else(|| other.clone()) } else { other.clone() };
-        assert_eq!(model.restore(&bytes, &mut evidence, given.then_some(&mut other)), Ok(()), "{given}");
+        assert_eq!(evidence.restore(&model, &bytes, given.then_some(&mut other)), Ok(()), "{given}");
         assert_eq!((&evidence, &other), (&self::evidence(&model), &expected), "{given}");
     }
 }
@@ -100,9 +100,9 @@ fn what_is_saved_is_restored_with_a_baseline_and_without() {
 #[test]
 fn the_limits_of_a_silence_are_those_of_the_program() {
     let model = model();
-    let mut evidence = model.evidence();
+    let mut evidence = Evidence::new(&model);
     evidence.limit_silence(SilenceLimits { segments: 2, hours: 0.0 });
-    assert_eq!(model.restore(&saved(&model, None), &mut evidence, None), Ok(()));
+    assert_eq!(evidence.restore(&model, &saved(&model, None), None), Ok(()));
     let silence = evidence.silence().expect("two segments without a verdict");
     assert_eq!((silence.segments, silence.reason), (2, Some(Reason::Stuck { channel: 1 })));
 }
@@ -121,10 +121,10 @@ fn each_refusal_has_its_reason() {
     assert_eq!(refusal(&model, &checked(&[&bytes[..end - 4], &[0]].concat())), StateError::Truncated, "a byte more");
     assert_eq!(refusal(&model, &with(&bytes, 8, 28)), StateError::Truncated, "another number of words");
     assert_eq!(refusal(&model, &with(&bytes, 3, b'D')), StateError::NotAState);
-    assert_eq!(refusal(&model, &with(&bytes, 4, 3)), StateError::Version { found: 3, supported: 2 });
+    assert_eq!(refusal(&model, &with(&bytes, 4, 3)), StateError::Version { given: 3, supported: 2 });
     assert_eq!(refusal(&model, &with(&bytes, 6, 2)), StateError::Value, "a flag that no version has");
-    let (saved, own) = (model.id(), MODEL.id());
-    assert_eq!(MODEL.restore(&bytes, &mut MODEL.evidence(), None), Err(StateError::OtherModel { saved, own }));
+    let (saved, expected) = (model.id(), MODEL.id());
+    assert_eq!(Evidence::new(&MODEL).restore(&MODEL, &bytes, None), Err(StateError::OtherModel { saved, expected }));
 }
 
 #[test]
@@ -145,10 +145,10 @@ fn a_baseline_has_the_constants_that_it_was_saved_with() {
     let bytes = saved(&model, Some(&wide));
     assert_eq!(refusal(&model, &bytes), StateError::OtherBaseline);
     // A program without a baseline takes the alarm all the same.
-    let mut evidence = model.evidence();
-    assert_eq!(model.restore(&bytes, &mut evidence, None), Ok(()));
+    let mut evidence = Evidence::new(&model);
+    assert_eq!(evidence.restore(&model, &bytes, None), Ok(()));
     assert_eq!(evidence, self::evidence(&model));
-    assert_eq!(model.restore(&saved(&model, Some(&narrow.clone())), &mut evidence, Some(&mut narrow)), Ok(()));
+    assert_eq!(evidence.restore(&model, &saved(&model, Some(&narrow.clone())), Some(&mut narrow)), Ok(()));
 }
 
 #[test]
@@ -157,8 +157,8 @@ fn the_first_version_has_ten_words_less() {
     let bytes = saved(&model, None);
     let mut old = bytes[..bytes.len() - 4 - 40].to_vec();
     (old[4], old[8]) = (1, 19);
-    let mut evidence = model.evidence();
-    assert_eq!(model.restore(&checked(&old), &mut evidence, None), Ok(()));
+    let mut evidence = Evidence::new(&model);
+    assert_eq!(evidence.restore(&model, &checked(&old), None), Ok(()));
     assert_eq!((evidence.segments(), evidence.score()), ((5, 2), 0.0));
     assert_eq!(refusal(&model, &with(&checked(&old), 4, 2)), StateError::Truncated, "its length as the second one");
 }
