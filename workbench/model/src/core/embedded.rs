@@ -227,7 +227,7 @@ impl Embedded {
     /// The core's evidence before the first segment of a drive.
     #[must_use]
     pub fn evidence(&self) -> Evidence<RunTime> {
-        self.model.evidence()
+        Evidence::new(&self.model)
     }
 
     /// The core's decision on a segment; `None` if it had none.
