@@ -6,7 +6,7 @@ use bearing_watch::{Detector, Model, ModelError, Reason, Report, Verdict};
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
-use super::watch::{self, Watched};
+use super::watch::{self, Watched, Watching};
 use super::wiring::{Feed, Field, fields};
 use super::words::explain;
 use crate::identify::Structure;
@@ -193,6 +193,19 @@ impl Embedded {
     #[must_use]
     pub const fn evidence_constants(&self) -> EvidenceConstants {
         self.model.constants().evidence
+    }
+
+    /// The evidence of a drive that is not yet known.
+    #[must_use]
+    pub fn watching(&self) -> Watching<'_> {
+        Watching::new(&self.model)
+    }
+
+    /// Name of the coordinate that a defect raises in a direction.
+    #[must_use]
+    pub fn direction_name(&self, orders: &[String], direction: u8) -> String {
+        let list = &self.model.constants().classifier.novelty.directions.list;
+        list.get(usize::from(direction)).map_or_else(String::new, |own| self.feature_name(orders, own.coordinate))
     }
 
     /// State of the core's evidence after each of these segments; they may come from several traces of one drive, in

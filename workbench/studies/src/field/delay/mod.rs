@@ -28,7 +28,7 @@ use rayon::prelude::*;
 
 pub use judge::{FalseAlarms, Outcome};
 use judge::{Runs, defective, healthy, one_run};
-use records::{Place, record};
+pub(super) use records::{Place, record};
 pub use render::{text, to_json};
 use watch::{Record, Watch};
 
@@ -133,13 +133,7 @@ pub struct Draw {
 /// Simulation or training fails; training chooses no directions.
 pub fn draw(condition: Condition, draw: u32, settings: &Settings) -> Result<Draw, Error> {
     let cell = |purpose, defect| Cell { purpose, repetition: draw, condition, defect };
-    let Fleet { units, sessions } = settings.training;
-    let places = places(0..units, 0..sessions, settings.records);
-    let one = |place: &Place| record(cell(Purpose::Training, Defect::HEALTHY), *place);
-    let set: Vec<LabelledTrace> = places.par_iter().map(one).collect::<Result<_, _>>()?;
-    let trained = train(&set, &["healthy".into()], &recipe_of(condition, &places, settings))?;
-    drop(set);
-    let bench = Bench::of(trained, settings)?;
+    let bench = Bench::of(trained(condition, draw, settings)?, settings)?;
     let names = &bench.trained.coordinate_names;
     let drives = (0..settings.drives).map(|unit| bench.judge(&cell, unit)).collect::<Result<_, _>>()?;
     let directions = bench.trained.watch.directions.as_ref();
@@ -153,7 +147,16 @@ pub fn draw(condition: Condition, draw: u32, settings: &Settings) -> Result<Draw
     })
 }
 
-fn places(units: std::ops::Range<u32>, sessions: std::ops::Range<u32>, records: u32) -> Vec<Place> {
+/// Trains on the fleet of one draw.
+pub(super) fn trained(condition: Condition, draw: u32, settings: &Settings) -> Result<Trained, Error> {
+    let cell = Cell { purpose: Purpose::Training, repetition: draw, condition, defect: Defect::HEALTHY };
+    let Fleet { units, sessions } = settings.training;
+    let places = places(0..units, 0..sessions, settings.records);
+    let set: Vec<LabelledTrace> = places.par_iter().map(|place| record(cell, *place)).collect::<Result<_, _>>()?;
+    train(&set, &["healthy".into()], &recipe_of(condition, &places, settings))
+}
+
+pub(super) fn places(units: std::ops::Range<u32>, sessions: std::ops::Range<u32>, records: u32) -> Vec<Place> {
     let of_unit = |unit: u32| sessions.clone().flat_map(move |session| (0..records).map(move |k| [unit, session, k]));
     units.flat_map(of_unit).collect()
 }
