@@ -15,13 +15,14 @@
 //! distance   D = g h,   h = ((L/g)^(1−κ) − 1)/(1 − κ),   time left = D/v                              (8)
 //!            σ_D² = (κh − 1)² (P_m + 1/Λ) + g² (∂h/∂κ)² σ² + ζ D² ln(L/g)/3,   σ_Dv = (κh − 1) P_mv   (9)
 //! interval   (D − v T)² ≤ z² (σ_D² − 2 T σ_Dv + T² P_v)                                               (10)
+//!            lower end at most 0.6 (L − g) A/(g − 1),   A: runs since g was last below 1                (11)
 //! ```
 //!
 //! t and τ count usual runs: a run of n segments takes n/n₀. κ is 0 for a straight line, 1 for an exponential, and
 //! negative where a feature saturates; runs before the half of the life hardly tell which, so (1) has κ = 0.1 with the
 //! deviation σ = 0.6, in (4) and (9), and does not learn it. (10) is Fieller's interval (1954) of the ratio (8), the
 //! first passage of the level through the size L, with z = 1.645 for 90 %. ζ is the spread of a slope that changes while
-//! the size grows by a factor of e, as where growth pauses.
+//! the size grows by a factor of e. (11) is the mean slope since the start: a pause is not taken for the end of growth.
 //!
 //! Bends are followed where v > 0 and g is above 1 and two of its deviations only, and otherwise κ and ρ are 0. A run that jumps (6) is not
 //! believed, but the next one is, whatever it says: a chip raises the level, a disturbed run changes nothing, and after
@@ -30,11 +31,15 @@
 //!
 //! A bearing grows if the interval of the slope is above zero and the size above four of its deviations; otherwise
 //! there is no time left. Runs with offsets that last for many runs, as of weather, are not in s², and then a healthy
-//! drive is said to grow more often: `bearing-watch campaign --field --growth` counts how often. Cost: 28 bytes a
+//! drive is said to grow more often: `bearing-watch campaign --field --growth` counts how often. Cost: 32 bytes a
 //! direction, about 60 operations and two roots at the end of a run, and three exponentials for an answer.
 
 use crate::logarithm::ln;
 
+/// Size from which growth is followed.
+const START: f32 = 1.0;
+/// Part of the time left by the mean slope which the lower end does not exceed.
+const STEADY: f32 = 0.6;
 /// κ of (1), and its deviation σ.
 const BEND: [f32; 2] = [0.1, 0.6];
 /// q, η and ζ of (4) and (9).
@@ -102,10 +107,12 @@ pub(super) struct Course {
     /// c and n of (7).
     drift: f32,
     drift_runs: f32,
+    /// A: usual runs since the size was last below its start.
+    age: f32,
 }
 
 /// Words of a course in a saved state.
-pub(super) const WORDS: usize = 7;
+pub(super) const WORDS: usize = 8;
 
 impl Interval {
     const fn about(value: f32, half: f32) -> Self {
@@ -143,7 +150,16 @@ impl Course {
     /// Nothing known of a drive among drives of this variance.
     pub(super) const fn new(between: f32) -> Self {
         let slope_variance = FIRST_SLOPE * FIRST_SLOPE;
-        Self { level: 0.0, slope: 0.0, variance: between, joint: 0.0, slope_variance, drift: 0.0, drift_runs: 0.0 }
+        Self {
+            level: 0.0,
+            slope: 0.0,
+            variance: between,
+            joint: 0.0,
+            slope_variance,
+            drift: 0.0,
+            drift_runs: 0.0,
+            age: 0.0,
+        }
     }
 
     /// (2) to (4): so many usual runs pass.
@@ -158,6 +174,7 @@ impl Course {
         let (a, e) = (tau * (1.0 + bend * rate), 1.0 + 2.0 * bend * rate);
         let turn = spread * rate * slope;
         let noise = RESTLESS * tau + TURNS * rate * slope * slope + turn * turn;
+        self.age = if size > START { self.age + tau } else { 0.0 };
         self.level = level + (slope + 0.5 * rise) * tau;
         self.slope = slope + rise;
         self.variance = variance + a * (2.0 * joint + a * slope_variance) + noise * tau * tau / 3.0;
@@ -244,13 +261,15 @@ impl Course {
         let middle = v * distance - z2 * by_level * self.joint;
         let last = distance * distance - z2 * spread;
         let root = libm::sqrtf((middle * middle - first * last).max(0.0));
-        Interval { value: distance / v, low: ((middle - root) / first).max(0.0), high: (middle + root) / first }
+        let low = ((middle - root) / first).max(0.0);
+        let steady = STEADY * (named - size) * self.age / (size - START); // (11)
+        Interval { value: distance / v, low: low.min(steady), high: (middle + root) / first }
     }
 
     /// Hands out the words in their order.
     pub(super) fn save(&self, put: &mut impl FnMut(u32)) {
-        let Self { level, slope, variance, joint, slope_variance, drift, drift_runs } = *self;
-        [level, slope, variance, joint, slope_variance, drift, drift_runs].iter().for_each(|x| put(x.to_bits()));
+        let Self { level, slope, variance, joint, slope_variance, drift, drift_runs, age } = *self;
+        [level, slope, variance, joint, slope_variance, drift, drift_runs, age].iter().for_each(|x| put(x.to_bits()));
     }
 
     /// Takes the words in their order; `None` if one is missing, or none that runs can leave.
@@ -258,11 +277,12 @@ impl Course {
         let mut float = || take().map(f32::from_bits);
         let (level, slope) = (float()?, float()?);
         let (variance, joint, slope_variance) = (float()?, float()?, float()?);
-        let (drift, drift_runs) = (float()?, float()?);
+        let (drift, drift_runs, age) = (float()?, float()?, float()?);
         let numbers = [level, slope, variance, joint, slope_variance].iter().all(|x| x.is_finite());
         let spread = variance > 0.0 && slope_variance > 0.0;
-        let drifts = (0.0..=LIMIT).contains(&drift) && (0.0..f32::INFINITY).contains(&drift_runs);
-        let course = Self { level, slope, variance, joint, slope_variance, drift, drift_runs };
+        let drifts =
+            (0.0..=LIMIT).contains(&drift) && [drift_runs, age].iter().all(|x| (0.0..f32::INFINITY).contains(x));
+        let course = Self { level, slope, variance, joint, slope_variance, drift, drift_runs, age };
         (numbers && spread && drifts).then_some(course)
     }
 }
