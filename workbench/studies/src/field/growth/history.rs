@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::drive::Drive;
-use super::{Law, PARTS, Settings};
+use super::laws::Law;
+use super::settings::{PARTS, Settings};
 use model::core::Embedded;
 
 /// Runs of a healthy history, and those at its start that are not judged.

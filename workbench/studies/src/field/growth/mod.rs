@@ -20,12 +20,14 @@ mod drive;
 mod history;
 mod laws;
 mod render;
+mod settings;
 #[cfg(test)]
 mod tests;
 
 pub use history::{Asked, Healthy, Outcome};
 pub use laws::Law;
 pub use render::{text, to_json};
+pub use settings::{PARTS, Settings};
 
 use drive::Drive;
 use history::{grown, healthy};
@@ -34,29 +36,6 @@ use super::delay;
 use crate::campaign::{Cell, Purpose};
 use model::Error;
 use rig::{Condition, Defect, DefectKind};
-
-/// Parts of the life at which the time left is asked for.
-pub const PARTS: [f64; 3] = [0.25, 0.5, 0.75];
-
-/// Size of the study.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Training, records a run, judged drives, and recorded runs of each, healthy and of each size.
-    pub fleet: delay::Settings,
-    /// Histories of each law and drive.
-    pub histories: u32,
-    /// Shortest and longest life, runs.
-    pub life: [f64; 2],
-}
-
-impl Settings {
-    /// 20 drives of training, 8 judged ones, and 40 histories of each law on each.
-    pub const STANDARD: Self = Self {
-        fleet: delay::Settings { drives: 8, healthy: 24, ..delay::Settings::STANDARD },
-        histories: 40,
-        life: [40.0, 250.0],
-    };
-}
 
 /// Histories of one kind of defect.
 #[derive(Clone, Debug, PartialEq)]
