@@ -47,6 +47,14 @@ class Verdicts:
         The class that it names, or ``unknown``.
     trend : ndarray of float32, shape (s, 3)
         Slope of the distance a segment, and the ends of its interval.
+    direction : ndarray of str, shape (s,)
+        The feature that raised the alarm, or has risen most, in a model whose alarm watches runs.
+    size, growth : ndarray of float32, shape (s, 3)
+        By how many standard deviations of usual runs this feature exceeds what is usual for the drive, and its change
+        in an hour of segments, each with the ends of its 90 % interval; NaN in other models.
+    hours_left : ndarray of float32, shape (s, 3)
+        Hours of segments until a single segment shows the defect, if the growth goes on so, with the ends of its 90 %
+        interval; NaN where nothing grows.
     features : ndarray of float64, shape (s, features)
         The features of the model; NaN for missing ones.
     parameters : ndarray of float32, shape (s, p)
@@ -78,6 +86,10 @@ class Verdicts:
     alarm: npt.NDArray[np.bool_]
     cause: _Text
     trend: _Single
+    direction: _Text
+    size: _Single
+    growth: _Single
+    hours_left: _Single
     features: npt.NDArray[np.float64]
     parameters: _Single
     variance: _Single

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bearing_watch::FrictionTerm;
+use bearing_watch::alarm::{Growth, Interval};
 use model::Error;
 use model::core::{Judged, Stream};
 use model::identify::Terms as _;
@@ -210,6 +211,18 @@ impl Detector {
         result.set_item("cause", judged.iter().map(cause).collect::<Vec<_>>())?;
         let trend = |(_, own): &Judged| own.trend.map_or_else(Vec::new, |own| vec![own.slope, own.low, own.high]);
         result.set_item("trend", wide(3, &trend)?)?;
+        let ends = |of: Interval| vec![of.value, of.low, of.high];
+        let growth = |of: &dyn Fn(Growth) -> Option<Interval>| {
+            let row = |(_, own): &Judged| own.growth.and_then(|(_, growth)| of(growth)).map_or_else(Vec::new, ends);
+            wide(3, &row)
+        };
+        let direction = |(_, own): &Judged| {
+            own.growth.map_or_else(String::new, |(direction, _)| model.direction_name(file.orders(), direction))
+        };
+        result.set_item("direction", judged.iter().map(direction).collect::<Vec<_>>())?;
+        result.set_item("size", growth(&|growth| Some(growth.size))?)?;
+        result.set_item("growth", growth(&|growth| Some(growth.slope_per_hour()))?)?;
+        result.set_item("hours_left", growth(&|growth| growth.left_hours())?)?;
         let names = model.structure().map_or_else(Vec::new, |own| own.names());
         let raw = |(own, _): &Judged| if own.estimated { own.raw.clone() } else { vec![] };
         result.set_item("parameters", wide(names.len(), &raw)?)?;

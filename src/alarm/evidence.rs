@@ -56,6 +56,7 @@
 
 mod words;
 
+use super::growth::Growth;
 use super::runs::{Contribution, Runs};
 use super::silence::{Silence, SilenceLimits, Silent};
 use super::trend::{Drift, Trend};
@@ -340,6 +341,24 @@ impl<P: Plan> Evidence<P> {
     #[must_use]
     pub fn contribution(&self, direction: u8) -> Option<Contribution> {
         self.runs.contribution(direction)
+    }
+
+    /// The size of a defect in a direction, its slope, and the time until a single segment would show it: four deviations
+    /// of segments of healthy drives. `None` if the model does not have the direction.
+    #[must_use]
+    pub fn growth(&self, direction: u8) -> Option<Growth> {
+        self.growth_of(direction, None)
+    }
+
+    /// As [`Evidence::growth`], until a size in standard deviations of usual runs, as that of a known full defect.
+    #[must_use]
+    pub fn growth_to(&self, direction: u8, size: f32) -> Option<Growth> {
+        self.growth_of(direction, Some(size))
+    }
+
+    fn growth_of(&self, direction: u8, size: Option<f32>) -> Option<Growth> {
+        let run_hours = self.runs.usual_segments() * self.silent.segment_s() / 3600.0;
+        self.runs.growth(direction, size).map(|growth| Growth { run_hours, ..growth })
     }
 
     /// Number of runs from which the usual mean of this drive is learned so far; 0 without directions.

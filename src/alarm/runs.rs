@@ -38,6 +38,7 @@
 //! logarithm in every run, and small lasting changes would never add up. Not covered are offsets that last for several
 //! runs, as of weather that is no covariate; a run must be from power-up to power-up, or a day, and not a part of one.
 
+use super::growth::{self, Course, Growth};
 use crate::decide::{Direction, Directions, FeatureValue};
 use crate::logarithm::{ln, ln_of_level};
 use crate::plan::{Array, Cells, Plan};
@@ -51,6 +52,8 @@ const SKEWED: f32 = 0.05;
 /// Half as wide again each time, the law is then 3.4 times as wide: it hides no defect that is larger.
 const WIDER: f32 = 2.25;
 const MOST_DENIED: u32 = 3;
+/// Standard deviations by which a size is plain in a segment.
+const PLAIN: f32 = 4.0;
 /// A bet counts for the onset if its score is at least this part of the direction's largest.
 const SUPPORTS: f32 = 0.7;
 
@@ -105,10 +108,11 @@ pub(super) struct Scores {
     deviations: f32,
     /// How many alarms were denied, up to [`MOST_DENIED`].
     denied: u32,
+    course: Course,
 }
 
 /// Words of a direction in a saved state.
-pub(super) const WORDS: usize = 12;
+pub(super) const WORDS: usize = 12 + growth::WORDS;
 
 /// What the bets of a run are judged by: ln min(n, n₀), and the cap of (5).
 #[derive(Clone, Copy)]
@@ -120,7 +124,7 @@ struct Length {
 impl<P: Plan> Runs<P> {
     pub(super) fn new(directions: &Directions<P>) -> Self {
         let given = directions.list.cells();
-        let at = |k: usize| Scores::new(given.get(k).unwrap_or(&Direction::UNIT));
+        let at = |k: usize| Scores::new(given.get(k).unwrap_or(&Direction::UNIT), directions.usual_segments);
         Self {
             list: Cells::from_fn(given.len(), at),
             usual_segments: directions.usual_segments,
@@ -178,6 +182,7 @@ impl<P: Plan> Runs<P> {
         let length = self.length(segments, cap);
         let learns = self.learned < self.most_runs && quiet;
         for direction in self.list.cells_mut() {
+            direction.grow(segments as f32 / self.usual_segments, self.usual_segments);
             direction.end(self.usual_segments, self.margin, length, learns, now);
         }
         if learns {
@@ -215,6 +220,20 @@ impl<P: Plan> Runs<P> {
         Some(Contribution { deviations, score, ..self.contribution(place)? })
     }
 
+    /// The growth of a direction to a size in standard deviations of usual runs, or to one that a segment shows.
+    pub(super) fn growth(&self, place: u8, named: Option<f32>) -> Option<Growth> {
+        let direction = self.list.cells().get(place as usize)?;
+        let s = direction.usual(self.usual_segments);
+        let named = named.unwrap_or_else(|| direction.plain() / s);
+        let reference = direction.weighted / direction.precision / s;
+        Some(direction.course.growth(reference, 1.0 / direction.precision / (s * s), named))
+    }
+
+    /// Segments of a usual run.
+    pub(super) const fn usual_segments(&self) -> f32 {
+        self.usual_segments
+    }
+
     /// The first direction in which the drive's usual mean is more than three deviations of drives from that of the
     /// fleet, once three runs are learned.
     pub(super) fn unlike_the_fleet(&self) -> Option<u8> {
@@ -245,18 +264,20 @@ impl<P: Plan> Runs<P> {
     /// Forgets all, also what was learned of the drive.
     pub(super) fn reset(&mut self) {
         self.learned = 0;
-        self.list.cells_mut().iter_mut().for_each(Scores::reset);
+        let usual_segments = self.usual_segments;
+        self.list.cells_mut().iter_mut().for_each(|direction| direction.reset(usual_segments));
     }
 
     /// Hands out the words in their order.
     pub(super) fn save(&self, put: &mut impl FnMut(u32)) {
         put(self.learned.into());
         for direction in self.list.cells() {
-            let Scores { count, sum, precision, weighted, scores, since, deviations, .. } = direction;
+            let Scores { count, sum, precision, weighted, scores, since, deviations, course, .. } = direction;
             [*count, *sum, *precision, *weighted].iter().chain(scores).for_each(|x| put(x.to_bits()));
             since.iter().for_each(|segment| put(*segment));
             put(deviations.to_bits());
             put(direction.denied);
+            course.save(put);
         }
     }
 
@@ -275,6 +296,7 @@ impl<P: Plan> Runs<P> {
                 *since = take()?;
             }
             (direction.deviations, direction.denied) = (f32::from_bits(take()?), take()?);
+            direction.course = Course::restore(take)?;
             let Scores { count, sum, precision, weighted, scores, since, deviations, between, .. } = *direction;
             let numbers = [sum, weighted, deviations].iter().all(|x| x.is_finite()) && direction.denied <= MOST_DENIED;
             let least = 0.99 / between;
@@ -290,7 +312,7 @@ impl<P: Plan> Runs<P> {
 }
 
 impl Scores {
-    fn new(direction: &Direction) -> Self {
+    fn new(direction: &Direction, usual_segments: f32) -> Self {
         let Direction { coordinate, between, run, segment, skewness, .. } = *direction;
         let mut scores = Self {
             coordinate,
@@ -306,15 +328,18 @@ impl Scores {
             since: [0; BETS.len()],
             deviations: 0.0,
             denied: 0,
+            course: Course::new(between),
         };
-        scores.reset();
+        scores.reset(usual_segments);
         scores
     }
 
-    fn reset(&mut self) {
+    fn reset(&mut self, usual_segments: f32) {
         (self.count, self.sum, self.deviations, self.denied) = (0.0, 0.0, 0.0, 0);
         (self.precision, self.weighted) = (1.0 / self.between, 0.0);
         (self.scores, self.since) = ([0.0; BETS.len()], [0; BETS.len()]);
+        let s = self.usual(usual_segments);
+        self.course = Course::new(self.between / (s * s));
     }
 
     /// x and s² of (2); `None` if the direction had no value.
@@ -355,6 +380,25 @@ impl Scores {
             *score = score.max(length.log) + gain;
         }
         all
+    }
+
+    /// s₀, the standard deviation of usual runs.
+    fn usual(&self, usual_segments: f32) -> f32 {
+        libm::sqrtf(self.run + self.segment / usual_segments)
+    }
+
+    /// The size by which one segment of an unknown drive is four deviations from those of healthy drives.
+    fn plain(&self) -> f32 {
+        PLAIN * libm::sqrtf(self.between + self.run + self.segment)
+    }
+
+    /// Takes the run that ends into the course of the size, after so many usual runs.
+    fn grow(&mut self, passed: f32, usual_segments: f32) {
+        let s = self.usual(usual_segments);
+        self.course.pass(passed, self.weighted / self.precision / s);
+        if let Some((x, variance)) = self.mean() {
+            self.course.take(x / s, variance / (s * s));
+        }
     }
 
     /// (x − û)/s.

@@ -56,6 +56,10 @@ impl Silent {
         Self { segment_s, ..self }
     }
 
+    pub(super) const fn segment_s(&self) -> f32 {
+        self.segment_s
+    }
+
     pub(super) const fn limit(&mut self, limits: SilenceLimits) {
         self.limits = limits;
     }

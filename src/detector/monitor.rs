@@ -20,7 +20,7 @@ use super::solver::Solve;
 use super::verdict;
 use crate::alarm::baseline::BaselineConstants;
 use crate::alarm::evidence::{Alarm, Evidence};
-use crate::alarm::{Baseline, Silence, SilenceLimits, StateError, Trend};
+use crate::alarm::{Baseline, Growth, Silence, SilenceLimits, StateError, Trend};
 use crate::model::Model;
 use crate::plan::Plan;
 use crate::report::Report;
@@ -285,6 +285,12 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     #[must_use]
     pub fn trend(&self) -> Option<Trend> {
         self.evidence.trend()
+    }
+
+    /// The size of a defect in a direction of the model, and the time left: see [`Evidence::growth`].
+    #[must_use]
+    pub fn growth(&self, direction: u8) -> Option<Growth> {
+        self.evidence.growth(direction)
     }
 
     /// What the alarm is made of.

@@ -5,7 +5,8 @@
 //! words   segments, undetermined, those of the run; cause and segment of the alarm; scores; support; sums of the trend
 //!         whether the baseline reached its bound; its offset, one word a coordinate
 //!         older sums of the trend; segments since the last verdict, and why they have none; constants of the baseline
-//!         what raised the alarm; runs learned, and of each direction the run, the drive's mean, scores and onsets
+//!         what raised the alarm; runs learned, and of each direction the run, the drive's mean, scores and onsets,
+//!         alarms denied, and level and slope of the size with their covariance
 //! ```
 //!
 //! The number of bytes depends on the plan only. Versions 1 and 2, without the last lines, are read too. Bytes of

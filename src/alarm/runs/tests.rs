@@ -223,3 +223,22 @@ fn a_skewed_law_is_made_normal() {
     assert!((normal_score(3.0, 0.5) - 2.544_19).abs() < 1e-4, "{}", normal_score(3.0, 0.5));
     assert_eq!(normal_score(-100.0, 0.5), -12.0 + 0.5 / 6.0);
 }
+
+#[test]
+fn the_size_is_told_in_deviations_of_usual_runs_and_forgotten_with_a_reset() {
+    let mut evidence = evidence_of(vec![DIRECTION], 1.645, 100).of_model(1, 360.0);
+    assert_eq!(evidence.growth(1), None, "no such direction");
+    // s₀² = 1/4 + 1/4; four deviations of U + B + W = 9/4 are plain in a segment; four segments last 0.4 h.
+    let first = evidence.growth(0).unwrap();
+    assert!((first.named - 6.0 * 2.0_f32.sqrt()).abs() < 1e-4 && (first.run_hours - 0.4).abs() < 1e-6, "{first:?}");
+    assert_eq!(evidence.growth_to(0, 5.0).unwrap().named, 5.0);
+    for step in 0..90_u8 {
+        run(&mut evidence, &[0.05 * f32::from(step.saturating_sub(20)) + if step % 2 == 0 { 0.5 } else { -0.5 }]);
+    }
+    // 70 runs of 0.05 √2 each; two more until it is plain.
+    let grown = evidence.growth_to(0, 6.0).unwrap();
+    assert!(grown.size.low < 4.88 && grown.size.high > 4.0 && grown.slope.high > 0.07, "{grown:?}");
+    assert!(grown.is_growing() && grown.left_hours().unwrap().low < 8.0, "{grown:?}");
+    evidence.reset();
+    assert_eq!(evidence.growth(0), Some(first));
+}

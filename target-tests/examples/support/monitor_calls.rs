@@ -2,7 +2,7 @@
 
 use core::hint::black_box as opaque;
 
-use bearing_watch::alarm::SilenceLimits;
+use bearing_watch::alarm::{Growth, Interval, SilenceLimits};
 use bearing_watch::model::{BaselineConstants, Directions};
 use bearing_watch::plan::Plan;
 use bearing_watch::{Detector, Evidence, Model, Monitor};
@@ -33,6 +33,7 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     let mut bytes = opaque([0; 1000]);
     opaque(Monitor::save_within_run(&other, &mut bytes).is_ok());
     opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor), Monitor::trend(&monitor)));
+    opaque(Monitor::growth(&monitor, opaque(1)).is_some());
     opaque((Monitor::report(&monitor).is_some(), Monitor::baseline(&monitor).is_some(), Monitor::saved_len(&monitor)));
     opaque((Monitor::save(&mut monitor, &mut bytes).is_ok(), Monitor::restore(&mut monitor, &bytes).is_ok()));
     opaque(Evidence::segments(Monitor::evidence(&monitor)));
@@ -46,5 +47,11 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
 fn of_directions<P: Plan>(model: &Model<P>, evidence: &Evidence<P>) {
     opaque((Evidence::main_contribution(evidence), Evidence::contribution(evidence, opaque(1))));
     opaque((Evidence::learned_runs(evidence), Evidence::unlike_the_fleet(evidence)));
+    let growth =
+        opaque(Evidence::growth(evidence, opaque(1)).or(Evidence::growth_to(evidence, opaque(1), opaque(9.0))));
+    if let Some(growth) = growth {
+        opaque((Growth::is_growing(&growth), Growth::left_hours(&growth), Growth::slope_per_hour(&growth)));
+        opaque(Interval::times(growth.size, opaque(2.0)));
+    }
     opaque(Directions::none(opaque(model.plan())).most_runs);
 }

@@ -9,6 +9,7 @@ use studies::campaign::{Settings, campaign, render};
 use studies::ema;
 use studies::field::commissioned;
 use studies::field::delay;
+use studies::field::growth;
 use studies::field::sessions::{self, Fleet};
 use studies::field::{self, bounds};
 use studies::healthy_sets::{self, sets::SETS};
@@ -30,6 +31,7 @@ use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
   bearing-watch campaign --healthy-sets
   bearing-watch campaign --field --commissioned --draws 5
   bearing-watch campaign --field --delay --draws 1
+  bearing-watch campaign --field --growth --draws 1
 
 With --ema the records are those of the simulated actuator: phase currents and resolver counts at 12 kHz, through the \
 core's front end to 1 kHz, under random conditions, beside the source's method and its calibration. \
@@ -70,6 +72,9 @@ pub(super) struct Args {
     /// Hours between false alarms and runs until the alarm, on drives that were not in training; a draw takes minutes
     #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions", "commissioned"])]
     delay: bool,
+    /// Time left of growing defects beside the truth, on drives that were not in training; a draw takes minutes
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions", "commissioned", "delay"])]
+    growth: bool,
     /// Draw a table of the field that was printed before, for example docs/field.md, and compute nothing
     #[arg(long, value_name = "FILE", requires_all = ["field", "report"])]
     printed: Option<PathBuf>,
@@ -159,6 +164,9 @@ fn run_field(args: &Args) -> Result<(), Error> {
     if args.delay {
         return run_delay(args);
     }
+    if args.growth {
+        return run_growth(args);
+    }
     if args.commissioned {
         return run_commissioned(args);
     }
@@ -221,17 +229,29 @@ fn run_commissioned(args: &Args) -> Result<(), Error> {
     output::say(commissioned::text(&all, &settings).trim_end())
 }
 
-fn run_delay(args: &Args) -> Result<(), Error> {
-    let settings = delay::Settings::STANDARD;
+/// The draws of each row of the studies with drives and runs.
+fn rows_of_runs(args: &Args) -> Result<Vec<(Condition, u32)>, Error> {
     let asked = |condition: &Condition| args.only.is_empty() || args.only.iter().any(|own| own == condition.name);
     let conditions: Vec<Condition> = delay::conditions().into_iter().filter(asked).collect();
     if conditions.is_empty() {
-        return Err(Error::Usage("--delay has the rows field-sine and field-any".into()));
+        return Err(Error::Usage("--delay and --growth have the rows field-sine and field-any".into()));
     }
     let draws = args.first..args.first + args.repetitions;
-    let all: Vec<(Condition, u32)> =
-        conditions.iter().flat_map(|condition| draws.clone().map(|draw| (*condition, draw))).collect();
-    let all = each("delay", &all, |(condition, draw)| delay::draw(*condition, *draw, &settings))?;
+    Ok(conditions.iter().flat_map(|condition| draws.clone().map(|draw| (*condition, draw))).collect())
+}
+
+fn run_growth(args: &Args) -> Result<(), Error> {
+    let settings = growth::Settings::STANDARD;
+    let all = each("growth", &rows_of_runs(args)?, |(condition, draw)| growth::draw(*condition, *draw, &settings))?;
+    if args.json {
+        return output::json("campaign-growth", growth::to_json(&all));
+    }
+    output::say(growth::text(&all).trim_end())
+}
+
+fn run_delay(args: &Args) -> Result<(), Error> {
+    let settings = delay::Settings::STANDARD;
+    let all = each("delay", &rows_of_runs(args)?, |(condition, draw)| delay::draw(*condition, *draw, &settings))?;
     if args.json {
         return output::json("campaign-delay", delay::to_json(&all, &settings));
     }

@@ -140,6 +140,7 @@ pub(super) const REPLAY: Form = Form {
         ("score", "number?", "Evidence so far, nats"),
         ("alarm", "object?", "Segment and cause of the alarm, once it is raised"),
         ("run", "array?", "After the last segment of a run: deviations and score of each direction of the alarm"),
+        ("growth", "object?", "Size in the direction of the alarm, its slope, and the time left, with 90 % intervals"),
         ("trend", "object?", "Slope of the distance a segment, with its interval"),
         ("parameters", "object?", "Parameters of the difference model"),
         ("variance", "number?", "Variance of its residuals"),

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use bearing_watch::FrictionTerm;
-use bearing_watch::alarm::{Contribution, Trend};
-use serde_json::json;
+use bearing_watch::alarm::{Contribution, Interval, Trend};
+use serde_json::{Value, json};
 
 use super::jobs::Replay;
 use super::options::Taken;
@@ -68,7 +68,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     check_rate(&model, notes.preparation(), traces.iter())?;
     args.write_rows(&model, &notes)?;
-    let (mut raised, mut trend) = (false, None);
+    let (mut raised, mut trend, mut size) = (false, None, String::new());
     let mut conclusion = Conclusion::new(&model, &notes.orders);
     let ends = args.run_ends(&notes, &traces)?;
     for (trace, run_ends) in traces.into_iter().zip(ends) {
@@ -97,6 +97,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
                 output::say(run_line(&model, &notes.orders, watched))?;
             }
             trend = watched.trend;
+            size = watched.size(&|direction| model.direction_name(&notes.orders, direction));
         }
         if args.report.is_some() {
             replayed.push(Replayed { trace: prepared, segments, watched: evidence });
@@ -109,6 +110,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     if args.json {
         return output::json("replay", json!(values));
+    }
+    if !size.is_empty() {
+        output::say(size)?;
     }
     if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
         output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
@@ -274,14 +278,18 @@ fn line(classes: &[String], names: &[&str], trace: &Trace, segment: &SegmentRepo
     line
 }
 
+fn interval(Interval { value, low, high }: Interval) -> Value {
+    json!({ "value": value, "low": low, "high": high })
+}
+
 fn value(
     model: &Embedded,
     (trace, number): (&Trace, usize),
     (segment, watched): (&SegmentReport, &Watched),
     orders: &[String],
-) -> serde_json::Value {
+) -> Value {
     let (missing, outside) = (missing(model, orders, segment), outside(model, orders, segment));
-    let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
+    let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, Value> {
         names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
     };
     let classes = &model.classes;
@@ -317,7 +325,17 @@ fn value(
             "score": one.score,
             "since": (one.score > 0.0).then_some(one.since + 1),
         })).collect::<Vec<_>>()),
-        "trend": watched.trend.map(|t| json!({ "value": t.slope, "low": t.low, "high": t.high })),
+        "growth": watched.growth.map(|(direction, growth)| json!({
+            "direction": model.direction_name(orders, direction),
+            "size": interval(growth.size),
+            "slope_per_run": interval(growth.slope),
+            "slope_per_hour": (growth.run_hours > 0.0).then(|| interval(growth.slope_per_hour())),
+            "named_size": growth.named,
+            "growing": growth.is_growing(),
+            "runs_left": growth.left.map(interval),
+            "hours_left": growth.left_hours().filter(|_| growth.run_hours > 0.0).map(interval),
+        })),
+        "trend": watched.trend.map(|t| interval(Interval { value: t.slope, low: t.low, high: t.high })),
         "parameters": estimated.then(|| named_by(&model.structure().map_or_else(Vec::new, |own| own.names()), &segment.raw)),
         "variance": estimated.then_some(segment.variance),
         "friction": segment.friction.filter(|friction| friction.rows > 0).map(|friction| {

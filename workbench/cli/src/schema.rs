@@ -66,6 +66,7 @@ enum Form {
     /// What `campaign --field --commissioned --json` prints
     CampaignCommissioned,
     CampaignDelay,
+    CampaignGrowth,
     /// What `campaign --healthy-sets --json` prints
     CampaignHealthySets,
     /// What `listen --json` prints on each line
@@ -97,6 +98,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Form::CampaignSessions => study_forms::CAMPAIGN_SESSIONS.schema(),
         Form::CampaignCommissioned => study_forms::CAMPAIGN_COMMISSIONED.schema(),
         Form::CampaignDelay => study_forms::CAMPAIGN_DELAY.schema(),
+        Form::CampaignGrowth => study_forms::CAMPAIGN_GROWTH.schema(),
         Form::CampaignHealthySets => study_forms::CAMPAIGN_HEALTHY_SETS.schema(),
         Form::Listen => study_forms::LISTEN.schema(),
         Form::Error => forms::ERROR.schema(),

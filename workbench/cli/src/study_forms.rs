@@ -117,6 +117,15 @@ pub(super) const CAMPAIGN_DELAY: Form = Form {
     optional: &[],
 };
 
+/// `campaign --field --growth --json`.
+pub(super) const CAMPAIGN_GROWTH: Form = Form {
+    name: "campaign-growth",
+    about: "Time left of growing defects beside the truth, on drives that were not in training",
+    list: false,
+    keys: &[ROWS],
+    optional: &[],
+};
+
 /// `campaign --healthy-sets --json`.
 pub(super) const CAMPAIGN_HEALTHY_SETS: Form = Form {
     name: "campaign-healthy-sets",

@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 25] = [
+pub const SOURCES: [Source; 26] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -43,6 +43,9 @@ pub const SOURCES: [Source; 25] = [
         workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
     }),
     slow("delay", Tolerance::Exact, |_| workbench("campaign --field --delay --draws 1", "delay", "docs/alarm.md")),
+    slow("growth", Tolerance::Exact, |_| {
+        workbench("campaign --field --growth --draws 1 --only field-sine", "growth", "docs/alarm.md")
+    }),
     slow("healthy-sets", Tolerance::Exact, |_| {
         workbench("campaign --healthy-sets --draws 40", "healthy-sets", results::FIELD)
     }),

@@ -6,7 +6,7 @@ use bearing_watch::{Cause, Decision, Detector, Evidence, Model, ModelError, Reas
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
-use super::watch::{self, Watched};
+use super::watch::{self, Watched, Watching};
 use super::wiring::{Feed, Field, fields};
 use super::words::explain;
 use crate::identify::Structure;
@@ -234,6 +234,12 @@ impl Embedded {
     #[must_use]
     pub fn decision(&self, segment: &SegmentReport) -> Option<Decision<RunTime>> {
         watch::decision(&self.model, segment)
+    }
+
+    /// The evidence of a drive that is not yet known.
+    #[must_use]
+    pub fn watching(&self) -> Watching<'_> {
+        Watching::new(&self.model)
     }
 
     /// State of the core's evidence after each of these segments; they may come from several traces of one drive, in

@@ -1,6 +1,6 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
-use bearing_watch::alarm::{Contribution, Silence, Trend};
+use bearing_watch::alarm::{Contribution, Growth, Interval, Silence, Trend};
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Alarm, Decision, Evidence, Model};
 
@@ -15,6 +15,8 @@ pub struct Watched {
     pub alarm: Option<Alarm>,
     /// What raised it, in a model whose alarm watches directions.
     pub main: Option<Contribution>,
+    /// Size and growth in the direction that raised the alarm, before an alarm in that of the largest score.
+    pub growth: Option<(u8, Growth)>,
     /// Slope of the distance from healthy.
     pub trend: Option<Trend>,
     /// Whether no segment has had a verdict for too long, and why.
@@ -27,13 +29,35 @@ impl Watched {
     pub(super) fn of(evidence: &Evidence<RunTime>) -> Self {
         let (score, alarm) = (evidence.score(), evidence.alarm());
         let (main, trend, silence) = (evidence.main_contribution(), evidence.trend(), evidence.silence());
-        Self { score, alarm, main, trend, silence, run: vec![] }
+        let directions = (0..u8::MAX).map_while(|k| evidence.contribution(k));
+        let largest = directions.max_by(|a, b| a.score.total_cmp(&b.score));
+        let direction = main.or(largest).map(|contribution| contribution.direction);
+        let growth = direction.and_then(|k| evidence.growth(k).map(|growth| (k, growth)));
+        Self { score, alarm, main, growth, trend, silence, run: vec![] }
     }
 
     /// At the end of a run.
     pub(super) fn of_run(evidence: &Evidence<RunTime>) -> Self {
         let run = (0..u8::MAX).map_while(|direction| evidence.contribution(direction)).collect();
         Self { run, ..Self::of(evidence) }
+    }
+
+    /// Size, slope and time left of the direction, with its name by `name`; empty without directions.
+    #[must_use]
+    pub fn size(&self, name: &dyn Fn(u8) -> String) -> String {
+        let Some((direction, growth)) = self.growth else { return String::new() };
+        let name = name(direction);
+        let size = between(growth.size, 1);
+        let slope = between(growth.slope_per_hour(), 2);
+        let course = match growth.left_hours() {
+            None => "not growing".into(),
+            Some(left) => format!(
+                "grows by {slope} an hour; if it goes on so, {} hours until {:.0} deviations",
+                between(left, 1),
+                growth.named
+            ),
+        };
+        format!("{name}: {size} deviations above what is usual for this drive (90 % interval), {course}")
     }
 
     /// By how much and since when what raised the alarm has risen; empty without directions.
@@ -45,17 +69,53 @@ impl Watched {
     }
 }
 
+/// The core's evidence of a drive, from segments that were recorded before.
+#[derive(Clone, Debug)]
+pub struct Watching<'m> {
+    model: &'m Model<RunTime>,
+    evidence: Evidence<RunTime>,
+}
+
+impl<'m> Watching<'m> {
+    /// Of a drive that is not yet known.
+    pub(super) fn new(model: &'m Model<RunTime>) -> Self {
+        Self { model, evidence: Evidence::new(model) }
+    }
+
+    fn observe(&mut self, segment: &SegmentReport) {
+        match (decision(self.model, segment), segment.reason) {
+            (None, Some(reason)) => self.evidence.observe_outcome(Err(reason)),
+            (decision, _) => self.evidence.observe(decision.as_ref()),
+        };
+    }
+
+    /// Takes a run and ends it.
+    pub fn run<'a>(&mut self, segments: impl IntoIterator<Item = &'a SegmentReport>) {
+        segments.into_iter().for_each(|segment| self.observe(segment));
+        self.evidence.end_run();
+    }
+
+    /// Size and growth in a direction, until a size in standard deviations of usual runs.
+    #[must_use]
+    pub fn growth_to(&self, direction: u8, size: f32) -> Option<Growth> {
+        self.evidence.growth_to(direction, size)
+    }
+}
+
 /// State of the core's evidence after each of these segments.
 pub(super) fn over(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Watched> {
-    let mut evidence = Evidence::new(model);
+    let mut watching = Watching::new(model);
     let mut observe = |segment: &SegmentReport| {
-        match (decision(model, segment), segment.reason) {
-            (None, Some(reason)) => evidence.observe_outcome(Err(reason)),
-            (decision, _) => evidence.observe(decision.as_ref()),
-        };
-        Watched::of(&evidence)
+        watching.observe(segment);
+        Watched::of(&watching.evidence)
     };
     segments.iter().map(&mut observe).collect()
+}
+
+/// A value with its interval.
+fn between(of: Interval, digits: usize) -> String {
+    let Interval { value, low, high } = of;
+    format!("{value:.digits$} [{low:.digits$}, {high:.digits$}]")
 }
 
 /// Reconstructs the decision on a segment; `None` if it had none.

@@ -18,6 +18,7 @@
 //! | [`tally`] | counts, and rates with intervals |
 //! | [`commissioned`] | gates learned on the drive beside the gate of the test bench |
 //! | [`delay`] | hours between false alarms and runs until the alarm |
+//! | [`growth`] | size of a growing defect and the time left, beside the truth |
 //! | [`sessions`] | false alarms of a fleet, drive by drive and day by day |
 //! | [`render`] | the table as text, rows and JSON |
 
@@ -25,6 +26,7 @@ pub mod bounds;
 pub mod commissioned;
 pub mod default;
 pub mod delay;
+pub mod growth;
 pub mod picture;
 pub mod recipe;
 pub mod render;

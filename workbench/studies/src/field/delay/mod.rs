@@ -33,7 +33,7 @@ use rayon::prelude::*;
 pub use judge::{FalseAlarms, Judged, Outcome};
 use judge::{History, judge};
 use peers::{Cusum, Threshold, Usual, band, mean};
-use records::{Place, record};
+pub(super) use records::{Place, record};
 pub use render::{text, to_json};
 use watch::{Core, Watch};
 
@@ -145,7 +145,16 @@ pub fn draw(condition: Condition, draw: u32, settings: &Settings) -> Result<Draw
     })
 }
 
-fn places(units: std::ops::Range<u32>, sessions: std::ops::Range<u32>, records: u32) -> Vec<Place> {
+/// Simulates the records of training, and trains.
+pub(super) fn trained(condition: Condition, draw: u32, settings: &Settings) -> Result<Trained, Error> {
+    let cell = Cell { purpose: Purpose::Training, repetition: draw, condition, defect: Defect::HEALTHY };
+    let Fleet { units, sessions } = settings.training;
+    let places = places(0..units, 0..sessions, settings.records);
+    let set: Vec<LabelledTrace> = places.par_iter().map(|place| record(cell, *place)).collect::<Result<_, _>>()?;
+    train(&set, &["healthy".into()], &recipe_of(condition, &places, settings))
+}
+
+pub(super) fn places(units: std::ops::Range<u32>, sessions: std::ops::Range<u32>, records: u32) -> Vec<Place> {
     let of_unit = |unit: u32| sessions.clone().flat_map(move |session| (0..records).map(move |k| [unit, session, k]));
     units.flat_map(of_unit).collect()
 }
@@ -180,14 +189,9 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// Simulates the records of training, and trains.
+    /// Of a trained model.
     fn new(condition: Condition, draw: u32, settings: &'a Settings) -> Result<Self, Error> {
-        let cell = Cell { purpose: Purpose::Training, repetition: draw, condition, defect: Defect::HEALTHY };
-        let Fleet { units, sessions } = settings.training;
-        let places = places(0..units, 0..sessions, settings.records);
-        let set: Vec<LabelledTrace> = places.par_iter().map(|place| record(cell, *place)).collect::<Result<_, _>>()?;
-        let trained = train(&set, &["healthy".into()], &recipe_of(condition, &places, settings))?;
-        drop(set);
+        let trained = trained(condition, draw, settings)?;
         let Some(directions) = &trained.watch.directions else {
             let why = trained.watch.warning.clone().unwrap_or_default();
             return Err(Error::Training(format!("training chose no directions: {why}")));

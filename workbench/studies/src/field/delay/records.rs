@@ -21,10 +21,10 @@ const RECORDS: u32 = 16;
 const SESSIONS: u32 = 1000;
 
 /// Unit, session and record in it.
-pub(super) type Place = [u32; 3];
+pub(in crate::field) type Place = [u32; 3];
 
 /// The record at a place; all records of a cell have seeds of their own.
-pub(super) fn record(cell: Cell, place: Place) -> Result<LabelledTrace, Error> {
+pub(in crate::field) fn record(cell: Cell, place: Place) -> Result<LabelledTrace, Error> {
     let [unit, session, record] = place;
     if session >= SESSIONS || record >= RECORDS {
         return Err(Error::Usage(format!("at most {SESSIONS} sessions of {RECORDS} records")));
