@@ -38,6 +38,10 @@ enum { BW_MODEL_CHANNEL_CURRENT_A = 0, BW_MODEL_CHANNEL_VELOCITY_RAD_S = 1, BW_M
 enum { BW_MODEL_CLASS_HEALTHY = 0, BW_MODEL_CLASS_SPALL = 1, BW_MODEL_CLASS_ROUGHNESS = 2 };
 #define BW_MODEL_CLASS_NAMES { "healthy", "spall", "roughness" }
 
+/* Features; the coordinate of an alarm is a place among them. */
+#define BW_MODEL_FEATURES 3u
+#define BW_MODEL_FEATURE_NAMES { "drag", "viscous", "order_inner" }
+
 /* For `bw_init`. */
 static const uint8_t bw_model[BW_MODEL_LENGTH] = {
     0x42, 0x57, 0x4d, 0x44, 0x09, 0x00, 0x00, 0x00, 0xe9, 0x05, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,

@@ -42,6 +42,11 @@ bearing_watch::plan! {
     }
 }
 
+/// Names of the features, in the order of the model: an alarm names one by its place.
+#[allow(dead_code)]
+#[rustfmt::skip]
+pub const FEATURES: [&str; 3] = ["drag", "viscous", "order_inner"];
+
 /// The trained model.
 #[allow(clippy::all, clippy::pedantic)]
 #[rustfmt::skip]

@@ -29,6 +29,11 @@ bearing_watch::plan! {
     }
 }
 
+/// Names of the features, in the order of the model: an alarm names one by its place.
+#[allow(dead_code)]
+#[rustfmt::skip]
+pub const FEATURES: [&str; 5] = ["a1", "a2", "b1", "c1", "c2"];
+
 /// The trained model.
 #[allow(clippy::all, clippy::pedantic)]
 #[rustfmt::skip]
