@@ -45,7 +45,7 @@ const BEND: [f32; 2] = [0.1, 0.6];
 /// q, η and ζ of (4) and (9).
 const RESTLESS: f32 = 2.5e-7;
 const TURNS: f32 = 0.05;
-const UNSTEADY: f32 = 0.25;
+const UNSTEADY: f32 = 0.35;
 /// Deviation of the slope at first, a run.
 const FIRST_SLOPE: f32 = 0.02;
 /// Largest ρ of a step.

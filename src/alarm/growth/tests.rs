@@ -35,19 +35,23 @@ fn one_run_by_hand() {
 #[test]
 fn the_interval_is_the_ratio_of_distance_and_slope() {
     // Nearly known: g = 10, v = 0.5, and L = 20: D = 10 (2^0.9 − 1)/0.9.
-    let known = Course { level: 10.0, slope: 0.5, variance: 1e-6, slope_variance: 1e-6, ..Course::new(1.0) };
+    let known =
+        Course { level: 10.0, slope: 0.5, variance: 1e-6, slope_variance: 1e-6, age: 100.0, ..Course::new(1.0) };
     let distance = 10.0 * (2.0_f32.powf(0.9) - 1.0) / 0.9;
     let Interval { value, low, high } = left(&known, 20.0);
     assert!((value - distance / 0.5).abs() < 1e-3, "{value}");
     // Of the bend: from κ = −0.5 to 0.7; of the turns: ζ ln 2/3.
     let ends = [1.5_f32, 0.3].map(|a| 10.0 * (2.0_f32.powf(a) - 1.0) / a);
     let known_level = known.growth(0.0, 0.0, 20.0).left.unwrap();
-    let spread = (0.25 * (ends[0] - ends[1]).powi(2) + 0.25 * distance.powi(2) * 2.0_f32.ln() / 3.0).sqrt();
+    let spread = (0.25 * (ends[0] - ends[1]).powi(2) + 0.35 * distance.powi(2) * 2.0_f32.ln() / 3.0).sqrt();
     let half = 1.645 * spread / 0.5;
     assert!(((known_level.high - known_level.low) / 2.0 - half).abs() < 0.01 * half, "{known_level:?} {half}");
     assert!(low <= known_level.low && high >= known_level.high, "an unknown reference widens it");
     assert_eq!(left(&known, 10.0), Interval::default(), "the size is reached");
     assert_eq!(known.growth(0.0, 0.0, f32::NAN).left, None);
+    // (11): 9 in 5 runs, of which 0.6 is too soon for the other end.
+    let sudden = left(&Course { age: 5.0, ..known }, 20.0);
+    assert!((sudden.low - 0.6 * 10.0 * 5.0 / 9.0).abs() < 1e-3 && sudden.high == high, "{sudden:?}");
 }
 
 #[test]
