@@ -124,7 +124,7 @@ enum BwCode
   BW_CODE_REPORT = 2,
   // The estimate was not adopted: it came too late, has no use in this model, or is not stable. Not an error.
   BW_CODE_NOT_ADOPTED = 3,
-  // There is no closed segment to solve.
+  // There is no closed segment to solve, or no alarm to deny.
   BW_CODE_IDLE = 4,
   // A clean sample came out of the front end.
   BW_CODE_CLEAN_SAMPLE = 5,
@@ -1031,6 +1031,13 @@ BwCode bw_limit_silence(struct BwState *state, uint32_t segments, float hours);
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
 BwCode bw_end_run(struct BwState *state);
+
+// Denies the alarm, because the bearing was inspected and is sound: scores start afresh, and what raised the alarm is
+// half as wide again, for three alarms at most. `BW_CODE_IDLE` without an alarm.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+BwCode bw_deny(struct BwState *state);
 
 // Starts afresh, as after a repair: open and closed segment, report, alarm, scores and trend. With the interrupt
 // masked. `BW_CODE_BUSY` if another function works on the state; nothing is then changed.
