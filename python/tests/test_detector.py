@@ -184,3 +184,11 @@ def test_detectors_run_in_threads(bench, model):
     for thread in threads:
         thread.join()
     assert [own.distance.tolist() for own in found] == [expected] * 4
+
+
+def test_an_alarm_is_denied(bench, model):
+    detector = bw.Detector(model)
+    assert not detector.deny()
+    raised = any(bool(detector.run(bench.traces["spall_3_002"]).alarm[-1]) for _ in range(20))
+    assert raised and detector.deny() and not detector.deny()
+    assert detector.end_run() == {}, "this model watches no directions"

@@ -33,6 +33,7 @@ const COMMANDS: [&str; 31] = [
     "simulate-features",
     "evaluate",
     "replay",
+    "confirm",
     "view",
     "listen",
     "convert",
