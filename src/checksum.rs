@@ -36,6 +36,7 @@ impl Crc32 {
 }
 
 /// One bit further.
+#[inline(always)]
 const fn shifted(crc: u32) -> u32 {
     (crc >> 1) ^ (0xEDB8_8320 & 0_u32.wrapping_sub(crc & 1))
 }

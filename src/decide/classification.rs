@@ -137,9 +137,13 @@ impl<P: Plan> Classification<P> {
     }
 
     /// Log-likelihoods, posteriors and class, and whether the segment is beyond the gate of each class.
+    #[inline(never)]
     fn compare(&self, plan: P, classifier: &Classifier<P>, decision: &mut Decision<P>) -> Result<(), Reason> {
         let (z, variances) = self.coordinates();
-        let decided = classifier.compare(plan, z, variances, decision);
+        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(plan.layout().classes as usize, 0.0);
+        let cells = likelihoods.cells_mut().iter_mut().zip(decision.beyond.cells_mut());
+        classifier.compare(plan, z, variances, cells);
+        let decided = classifier.discriminant.decide(likelihoods.cells(), decision);
         if decided { Ok(()) } else { Err(Reason::NotFinite(Part::Classifier)) }
     }
 

@@ -38,23 +38,30 @@ impl<P: Plan> Classifier<P> {
     /// coordinates without a variance. `None` if no likelihood is finite.
     #[must_use]
     pub fn decide_at(&self, plan: P, coordinates: &[f32], variances: &[f32]) -> Option<Decision<P>> {
-        let mut decision = Decision::empty(plan);
-        if !self.compare(plan, coordinates, variances, &mut decision) {
-            return None;
-        }
+        let classes = plan.layout().classes as usize;
+        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(classes, 0.0);
+        let mut beyond: Array<P::Classes, bool> = Cells::filled(classes, false);
+        let cells = likelihoods.cells_mut().iter_mut().zip(beyond.cells_mut());
+        self.compare(plan, coordinates, variances, cells);
+        let mut decision = self.decide(plan, likelihoods.cells(), 0.0)?;
+        decision.beyond = beyond;
         decision.depart(self.novelty.judge(coordinates, variances));
         Some(decision)
     }
 
-    /// Log-likelihoods, posteriors and class at coordinates whose errors have these variances, and whether they are
-    /// beyond the gate of each class; `false` if no likelihood is finite. The classes of a linear discriminant share
-    /// the factor.
-    #[inline(never)]
-    pub(super) fn compare(&self, plan: P, z: &[f32], variances: &[f32], decision: &mut Decision<P>) -> bool {
+    /// The cells of each class get its log-likelihood at coordinates whose errors have these variances, and whether they
+    /// are beyond its gate. The classes of a linear discriminant share the factor.
+    // In line, so that the lengths of the slices are known where they are those of arrays.
+    #[inline(always)]
+    pub(super) fn compare<'a>(
+        &self,
+        plan: P,
+        z: &[f32],
+        variances: &[f32],
+        cells: impl Iterator<Item = (&'a mut f32, &'a mut bool)>,
+    ) {
         let (kind, discriminant) = (plan.layout().discriminant, &self.discriminant);
-        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(plan.layout().classes as usize, 0.0);
         let mut density = discriminant.density(kind, z.len(), variances, 0);
-        let cells = likelihoods.cells_mut().iter_mut().zip(decision.beyond.cells_mut());
         for (class, (likelihood, beyond)) in (0..u8::MAX).zip(cells) {
             if kind == Kind::Quadratic && class > 0 {
                 density = discriminant.density(kind, z.len(), variances, class as usize);
@@ -63,7 +70,6 @@ impl<P: Plan> Classifier<P> {
             *likelihood = density.log_density(squared);
             *beyond = self.novelty.excludes(class, squared, [density.available(), z.len()]);
         }
-        discriminant.decide(likelihoods.cells(), decision)
     }
 
     /// Compares a decision with the limits. Novelty is checked before ambiguity, so that the false-alarm rate is the

@@ -59,20 +59,27 @@ impl<'m, P: Plan> Alone<'m, P> {
     }
 
     /// The open segment as if it were closed; no estimate if a channel is stuck.
+    #[inline(always)]
     fn segment(&self) -> Detached<P> {
-        let mut estimate = Estimate::empty(self.plan);
+        let mut segment = Detached {
+            plan: self.plan,
+            sums: self.estimator.sums(self.plan, self.constants.rest),
+            solve: RegressionSolve::new(self.plan),
+            estimate: Estimate::empty(self.plan),
+        };
         let mask = self.plan.layout().regression.map_or(0, |layout: RegressionLayout| layout.mask());
         if let Some(channel) = self.gate.counts.stuck.first_of(mask) {
-            estimate.reason = Some(Reason::Stuck { channel });
+            segment.estimate.reason = Some(Reason::Stuck { channel });
         }
-        let sums = self.estimator.sums(self.plan, self.constants.rest);
-        Detached { plan: self.plan, sums, solve: RegressionSolve::new(self.plan), estimate }
+        segment
     }
 
     /// The estimate of the open segment, which stays open.
     #[must_use]
     pub fn estimate(&self) -> Estimate<P> {
-        self.segment().finish(self.constants)
+        let mut segment = self.segment();
+        segment.run(self.constants);
+        segment.estimate
     }
 
     /// Closes the segment and solves it; its estimate becomes the next auxiliary model.
@@ -118,8 +125,12 @@ impl<P: Plan> Detached<P> {
     /// Solves it at once.
     #[must_use]
     pub fn finish(mut self, constants: &Regression<P>) -> Estimate<P> {
-        while self.advance(constants).is_none() {}
+        self.run(constants);
         self.estimate
+    }
+
+    fn run(&mut self, constants: &Regression<P>) {
+        while self.advance(constants).is_none() {}
     }
 }
 
