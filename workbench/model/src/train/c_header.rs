@@ -131,7 +131,8 @@ mod tests {
         let model = Model::<RunTime>::from_bytes(&file).expect("a model");
         let note = "Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.";
         let committed = std::fs::read_to_string(format!("{FOLDER}/model.h")).expect("the committed header");
-        let same = c_header(&model, &[note.into()], None).expect("a header") == committed;
+        let features = ["a1", "a2", "b1", "c1", "c2"].map(String::from);
+        let same = c_header(&model, (&[note.into()], &features), None).expect("a header") == committed;
         assert!(same, "`cargo demo --model examples/support/standard_rig` writes it anew");
     }
 }
