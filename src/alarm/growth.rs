@@ -21,13 +21,14 @@
 //! t and τ count usual runs: a run of n segments takes n/n₀. κ is 0 for a straight line, 1 for an exponential, and
 //! negative where a feature saturates; runs before the half of the life hardly tell which, so (1) has κ = 0.1 with the
 //! deviation σ = 0.6, in (4) and (9), and does not learn it. (10) is Fieller's interval (1954) of the ratio (8), the
-//! first passage of the level through the size L, with z = 1.645 for 90 %. ζ is the spread of a slope that changes while
-//! the size grows by a factor of e. (11) is the mean slope since the start: a pause is not taken for the end of growth.
+//! first passage of the level through the size L, with z = 1.645 for 90 %. ζ is the spread of a slope that changes
+//! while the size grows by a factor of e. (11) is the mean slope since the start: a pause is not taken for the end of
+//! growth.
 //!
-//! Bends are followed where v > 0 and g is above 1 and two of its deviations only, and otherwise κ and ρ are 0. A run that jumps (6) is not
-//! believed, but the next one is, whatever it says: a chip raises the level, a disturbed run changes nothing, and after
-//! a repair the slope starts anew. (7) is a CUSUM (Page 1954), by which a small q, quiet while healthy, does not delay
-//! the slope of a fast growth: its bump is that of a line which began n runs ago.
+//! Bends are followed where v > 0 and g is above 1 and two of its deviations only, and otherwise κ and ρ are 0. A run
+//! that jumps (6) is not believed, but the next one is, whatever it says: a chip raises the level, a disturbed run
+//! changes nothing, and after a repair the slope starts anew. (7) is a CUSUM (Page 1954), by which a small q, quiet
+//! while healthy, does not delay the slope of a fast growth: its bump is that of a line which began n runs ago.
 //!
 //! A bearing grows if the interval of the slope is above zero and the size above four of its deviations; otherwise
 //! there is no time left. Runs with offsets that last for many runs, as of weather, are not in s², and then a healthy

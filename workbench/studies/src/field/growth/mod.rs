@@ -1,10 +1,10 @@
 //! Size of a growing defect and the time left, beside the truth, on drives that were not in training.
 //!
-//! A draw trains as [`super::delay`] does and judges the core on histories of other drives. A history is healthy for 20
-//! to 60 runs, and then its defect grows by one of the [`Law`]s from nothing to full size. Its runs are recorded ones of
-//! the drive, under all effects of the field: each is drawn from those of the nearest recorded size, and shifted by what
-//! is between that size and the one of the history in the drive's mean. So the noise has the law of the rig, and the
-//! feature follows the size as it does there; the filter knows neither.
+//! A draw trains as [`super::delay`] does and judges the core on histories of other drives. A history is healthy for
+//! 20 to 60 runs, and then its defect grows by one of the [`Law`]s from nothing to full size. Its runs are recorded
+//! ones of the drive, under all effects of the field: each is drawn from those of the nearest recorded size, and
+//! shifted by what is between that size and the one of the history in the drive's mean. So the noise has the law of
+//! the rig, and the feature follows the size as it does there; the filter knows neither.
 //!
 //! ```text
 //! μ(a) = mean of the direction at the size a, by lines between the recorded sizes                       (1)

@@ -4,6 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use super::render::{growing, told};
 use super::*;
 use crate::field::sessions::Fleet;
+use model::evaluate::Rate;
 
 #[test]
 fn laws_grow_from_nothing_to_full_size() {
@@ -37,7 +38,8 @@ fn shares_by_hand() {
     assert_eq!(growing(&healthy), [0.02, 0.5]);
 }
 
-fn check(draw: &Draw, least_told: f64, covered: [f64; 2]) {
+/// Checks shares of the histories of all laws, and the covered ones by `good`.
+fn check(draw: &Draw, least_told: f64, good: impl Fn(Rate) -> bool) {
     println!("{}", text(std::slice::from_ref(draw)));
     for kind in &draw.kinds {
         let all: Vec<Outcome> = kind.grown.iter().flat_map(|(_, outcomes)| outcomes.clone()).collect();
@@ -45,8 +47,7 @@ fn check(draw: &Draw, least_told: f64, covered: [f64; 2]) {
             let asked = told(&all, part);
             let share = asked.told[0] as f64 / asked.told[1] as f64;
             assert!(share > least_told, "{:?} {part}: told in {share}", kind.kind);
-            let value = asked.covered.value;
-            assert!((covered[0]..covered[1]).contains(&value), "{:?} {part}: covered {value}", kind.kind);
+            assert!(good(asked.covered), "{:?} {part}: covered {:?}", kind.kind, asked.covered);
         }
         let [runs, _] = growing(&kind.healthy[0]);
         assert!(runs < 0.02, "{:?}: healthy drives grow after {runs} of the runs", kind.kind);
@@ -65,12 +66,13 @@ fn a_small_fleet_s_intervals_contain_the_truth() {
     };
     let settings = Settings { fleet, histories: 20, ..Settings::STANDARD };
     let draw = draw(delay::conditions()[0], 0, &settings).expect("simulates");
-    check(&draw, 0.4, [0.75, 0.995]);
+    check(&draw, 0.4, |covered| (0.75..0.995).contains(&covered.value));
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn the_intervals_contain_the_truth_in_85_to_95_percent_of_the_histories() {
     let draw = draw(delay::conditions()[0], 0, &Settings::STANDARD).expect("simulates");
-    check(&draw, 0.6, [0.85, 0.95]);
+    // The share of a draw has an interval, which must reach into the goal.
+    check(&draw, 0.6, |covered| covered.high > 0.85 && covered.low < 0.95);
 }
