@@ -144,7 +144,8 @@ mod tests {
     fn the_committed_header_is_that_of_the_committed_model() {
         let source = text("examples/support/actuator/model.rs");
         let notes = source.lines().skip(2).map_while(|line| line.strip_prefix("// ")).map(String::from);
-        let header = c_header(&model(), (&notes.collect::<Vec<_>>(), &[]), Some(&recorded())).expect("a header");
+        let features = ["drag", "viscous", "order_inner"].map(String::from);
+        let header = c_header(&model(), (&notes.collect::<Vec<_>>(), &features), Some(&recorded())).expect("a header");
         let same = header == text("examples/support/actuator/model.h");
         assert!(same, "the commands in `examples/drive.rs` write it anew:\n{header}");
     }
