@@ -276,7 +276,7 @@ class Detector:
         self._core.reset()
 
     def _verdicts(self, found: dict[str, Any]) -> Verdicts:
-        for name in ("verdict", "undetermined", "cause", "lacking"):
+        for name in ("verdict", "undetermined", "cause", "direction", "lacking"):
             found[name] = np.asarray(found[name], dtype=np.str_)
         model = self.model
         return Verdicts(**found, class_names=model.classes, feature_names=model.features, order_names=model.orders)
