@@ -140,16 +140,16 @@ pub unsafe extern "C" fn bw_end_run(state: *mut BwState) -> BwCode {
     code(ended.map(|_| BwCode::Ok))
 }
 
-/// Denies the alarm, because the bearing was inspected and is sound: scores start afresh, and what raised the alarm is
-/// half as wide again, for three alarms at most. `BW_CODE_IDLE` without an alarm.
+/// Denies the alarm, because the bearing was inspected and is sound: scores start afresh, and what raised the alarm must
+/// be 1.5 times as large to raise the next one, for three alarms at most. `BW_CODE_IDLE` without an alarm.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_deny(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
-    let found = unsafe { at(state) };
-    let denied = found.and_then(|state| state.settled(OwnMonitor::deny));
+    let state = unsafe { at(state) };
+    let denied = state.and_then(|state| state.settled(OwnMonitor::deny));
     code(denied.map(|denied| if denied { BwCode::Ok } else { BwCode::Idle }))
 }
 

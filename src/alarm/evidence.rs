@@ -343,8 +343,8 @@ impl<P: Plan> Evidence<P> {
         self.runs.contribution(direction)
     }
 
-    /// The size of a defect in a direction, its slope, and the time until a single segment would show it: four deviations
-    /// of segments of healthy drives. `None` if the model does not have the direction.
+    /// The size of a defect in a direction, its slope, and the time until a single segment would show it: four
+    /// deviations of segments of healthy drives. `None` if the model does not have the direction.
     #[must_use]
     pub fn growth(&self, direction: u8) -> Option<Growth> {
         self.growth_of(direction, None)
@@ -394,9 +394,10 @@ impl<P: Plan> Evidence<P> {
         self.drift.trend()
     }
 
-    /// Denies the alarm that stands, because the bearing was inspected and is sound; without one nothing changes, and the
-    /// result is false. Scores start afresh. The direction that raised the alarm counts its runs as half as wide again,
-    /// for at most three such alarms: a defect that is denied again and again is alarmed again and again.
+    /// Denies the alarm that stands, because the bearing was inspected and is sound; without one nothing changes, and
+    /// the result is false. Scores start afresh, and the standard deviation of runs of the direction that raised the
+    /// alarm becomes 1.5 times as large, for at most three such alarms. A defect that is denied again and again
+    /// therefore raises the alarm again and again.
     pub fn deny(&mut self) -> bool {
         if self.alarm.is_none() {
             return false;

@@ -223,7 +223,7 @@ impl<P: Plan> Runs<P> {
     /// The growth of a direction to a size in standard deviations of usual runs, or to one that a segment shows.
     pub(super) fn growth(&self, place: u8, named: Option<f32>) -> Option<Growth> {
         let direction = self.list.cells().get(place as usize)?;
-        let s = direction.usual(self.usual_segments);
+        let s = direction.usual(direction.run, self.usual_segments);
         let named = named.unwrap_or_else(|| direction.plain() / s);
         let reference = direction.weighted / direction.precision / s;
         Some(direction.course.growth(reference, 1.0 / direction.precision / (s * s), named))
@@ -338,7 +338,7 @@ impl Scores {
         (self.count, self.sum, self.deviations, self.denied) = (0.0, 0.0, 0.0, 0);
         (self.precision, self.weighted) = (1.0 / self.between, 0.0);
         (self.scores, self.since) = ([0.0; BETS.len()], [0; BETS.len()]);
-        let s = self.usual(usual_segments);
+        let s = self.usual(self.run, usual_segments);
         self.course = Course::new(self.between / (s * s));
     }
 
@@ -364,7 +364,7 @@ impl Scores {
         let s = libm::sqrtf(variance);
         let reference = self.weighted / self.precision + margin / libm::sqrtf(self.precision);
         let z = normal_score((x - reference) / s, self.skewness);
-        let usual = libm::sqrtf(self.run_variance() + self.segment / usual_segments) / s;
+        let usual = self.usual(self.run_variance(), usual_segments) / s;
         let mut all = self.scores;
         for (score, bet) in pairs(&mut all, BETS) {
             let a = bet * usual;
@@ -382,9 +382,9 @@ impl Scores {
         all
     }
 
-    /// s₀, the standard deviation of usual runs.
-    fn usual(&self, usual_segments: f32) -> f32 {
-        libm::sqrtf(self.run + self.segment / usual_segments)
+    /// The standard deviation of usual runs with this variance between runs; s₀ with B.
+    fn usual(&self, between_runs: f32, usual_segments: f32) -> f32 {
+        libm::sqrtf(between_runs + self.segment / usual_segments)
     }
 
     /// The size by which one segment of an unknown drive is four deviations from those of healthy drives.
@@ -394,7 +394,7 @@ impl Scores {
 
     /// Takes the run that ends into the course of the size, after so many usual runs.
     fn grow(&mut self, passed: f32, usual_segments: f32) {
-        let s = self.usual(usual_segments);
+        let s = self.usual(self.run, usual_segments);
         self.course.pass(passed, self.weighted / self.precision / s);
         if let Some((x, variance)) = self.mean() {
             self.course.take(x / s, variance / (s * s));

@@ -49,8 +49,8 @@ impl<P: Plan> Classifier<P> {
         Some(decision)
     }
 
-    /// The cells of each class get its log-likelihood at coordinates whose errors have these variances, and whether they
-    /// are beyond its gate. The classes of a linear discriminant share the factor.
+    /// The cells of each class get its log-likelihood at coordinates whose errors have these variances, and whether
+    /// they are beyond its gate. The classes of a linear discriminant share the factor.
     // In line, so that the lengths of the slices are known where they are those of arrays.
     #[inline(always)]
     pub(super) fn compare<'a>(

@@ -46,32 +46,32 @@ fn a_commissioned_model_is_a_model_with_another_healthy_class() {
         }
     }
     assert_eq!((commissioning.gathered(), commissioning.far()), (13, 0));
-    let own = commissioning.model().expect("enough");
-    assert_eq!(own.constants().classifier.novelty.mean, *commissioning.mean());
-    assert_eq!(own.constants().evidence, evidence);
+    let commissioned = commissioning.model().expect("enough");
+    assert_eq!(commissioned.constants().classifier.novelty.mean, *commissioning.mean());
+    assert_eq!(commissioned.constants().evidence, evidence);
     // Only healthy class, class means and alarm differ.
     let mut expected = model.constants().clone();
     expected.evidence = evidence;
-    expected.classifier.novelty = own.constants().classifier.novelty.clone();
-    expected.classifier.discriminant.means = own.constants().classifier.discriminant.means;
-    assert_eq!(*own.constants(), expected);
+    expected.classifier.novelty = commissioned.constants().classifier.novelty.clone();
+    expected.classifier.discriminant.means = commissioned.constants().classifier.discriminant.means;
+    assert_eq!(*commissioned.constants(), expected);
     // The drive is nearer to its own healthy class than to that of another rig.
     let distance = |model: &Model<Drive>| {
         let decisions = self::reports(model, 3, false).into_iter().map(|report| report.decision.expect("a verdict"));
         decisions.map(|decision| decision.distance).fold(0.0, f32::max)
     };
-    let [trained, learned] = [&model, &own].map(distance);
+    let [trained, learned] = [&model, &commissioned].map(distance);
     println!("largest distance: {trained:.1} from the trained class, {learned:.1} from its own");
     assert!(learned < 6.0 && trained > 3.0 * learned, "{trained} {learned}");
     let mut buffer = vec![0; 4096];
-    let length = own.to_bytes("learned on the drive", &mut buffer).expect("fits");
-    assert_eq!(Model::from_sector(&buffer), Ok(own.clone()));
+    let length = commissioned.to_bytes("learned on the drive", &mut buffer).expect("fits");
+    assert_eq!(Model::from_sector(&buffer), Ok(commissioned.clone()));
     assert!(length < buffer.len());
     // The evidence of the model before does not continue.
     let mut state = vec![0; Evidence::saved_len(&model)];
     Evidence::new(&model).save(&model, None, &mut state).expect("fits");
-    let error = Evidence::new(&own).restore(&own, &state, None);
-    assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), expected: own.id() }));
+    let error = Evidence::new(&commissioned).restore(&commissioned, &state, None);
+    assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), expected: commissioned.id() }));
 }
 
 #[test]

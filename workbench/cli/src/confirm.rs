@@ -10,9 +10,9 @@ use traces::read_labels;
 
 /// File an alarm as false or true: label its recordings for the next training
 ///
-/// A false alarm says that the law of healthy runs is too narrow: trained again with these recordings as healthy, it is
-/// wide enough. The drive itself is told by Monitor::deny, bw_deny or Detector.deny, which raise what must be exceeded at
-/// once, but never so far that a defect is hidden.
+/// After a false alarm, train again with these recordings as healthy: the healthy class then contains them. In the
+/// drive, deny the alarm by Monitor::deny, bw_deny or Detector.deny. What raised it must then be larger to raise the next
+/// one; after three denied alarms this stays as it is, so that no growing defect is hidden.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  bearing-watch confirm --false --labels labels.csv --set session=7 june/*.csv\n  \
                   bearing-watch confirm --true outer --labels labels.csv --set session=7 june/*.csv")]
@@ -98,20 +98,20 @@ impl Args {
             }
             cells.push((column(name)?, value.clone()));
         }
-        let found = table.iter().skip(1).position(|row| stem(&row[id_place]) == id);
-        let place = found.map_or(table.len(), |place| place + 1);
-        if found.is_none() {
+        let labelled = table.iter().skip(1).position(|row| stem(&row[id_place]) == id);
+        let place = labelled.map_or(table.len(), |place| place + 1);
+        if labelled.is_none() {
             let mut row = vec![String::new(); table[0].len()];
             row[id_place] = id;
             table.push(row);
         }
         cells.into_iter().for_each(|(at, text)| table[place][at] = text);
-        let empty = table[place].iter().position(String::is_empty).filter(|_| found.is_none());
+        let empty = table[place].iter().position(String::is_empty).filter(|_| labelled.is_none());
         if let Some(at) = empty {
             let name = &table[0][at];
             let problem = format!("{} needs a cell of column {name}: --set {name}=…", trace.display());
             return Err(Error::Usage(problem));
         }
-        Ok(found.is_some())
+        Ok(labelled.is_some())
     }
 }

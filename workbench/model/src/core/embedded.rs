@@ -1,12 +1,12 @@
 //! Runs a model of any layout over traces with the core's [`Detector`], the code that firmware runs.
 
-use bearing_watch::model::{EvidenceConstants, Feature, Sampling, ShaftConstants};
+use bearing_watch::model::{Direction, EvidenceConstants, Feature, Sampling, ShaftConstants};
 use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::{Cause, Decision, Detector, Evidence, Model, ModelError, Reason, Report, Verdict};
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
-use super::watch::{self, Watched, Watching};
+use super::watch::{self, Watched};
 use super::wiring::{Feed, Field, fields};
 use super::words::explain;
 use crate::identify::Structure;
@@ -173,16 +173,19 @@ impl Embedded {
     /// The feature that a direction of the alarm watches.
     #[must_use]
     pub fn direction_feature(&self, orders: &[String], direction: u8) -> String {
-        let list = &self.model.constants().classifier.novelty.directions.list;
-        let watched = list.get(usize::from(direction));
+        let watched = self.directions().get(usize::from(direction));
         watched.map_or_else(|| "unknown".into(), |direction| self.feature_name(orders, direction.coordinate))
+    }
+
+    fn directions(&self) -> &[Direction] {
+        &self.model.constants().classifier.novelty.directions.list
     }
 
     /// The same with the features that are subtracted from it.
     #[must_use]
     pub fn direction_name(&self, orders: &[String], direction: u8) -> String {
-        let list = &self.model.constants().classifier.novelty.directions.list;
-        let terms = list.get(usize::from(direction)).map_or(&[][..], |direction| &direction.background);
+        let watched = self.directions().get(usize::from(direction));
+        let terms = watched.map_or(&[][..], |direction| &direction.background);
         let subtracted = terms.iter().filter(|term| term.weight != 0.0);
         let background: Vec<String> = subtracted.map(|term| self.feature_name(orders, term.coordinate)).collect();
         let name = self.direction_feature(orders, direction);
@@ -234,12 +237,6 @@ impl Embedded {
     #[must_use]
     pub fn decision(&self, segment: &SegmentReport) -> Option<Decision<RunTime>> {
         watch::decision(&self.model, segment)
-    }
-
-    /// The evidence of a drive that is not yet known.
-    #[must_use]
-    pub fn watching(&self) -> Watching<'_> {
-        Watching::new(&self.model)
     }
 
     /// State of the core's evidence after each of these segments; they may come from several traces of one drive, in

@@ -22,6 +22,6 @@ pub use embedded::Embedded;
 pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
 pub use stream::{Judged, Stream};
-pub use watch::{Watched, Watching};
+pub use watch::Watched;
 pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring, column, fields};
 pub use words::{denied, stuck_channels};

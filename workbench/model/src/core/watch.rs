@@ -69,45 +69,15 @@ impl Watched {
     }
 }
 
-/// The core's evidence of a drive, from segments that were recorded before.
-#[derive(Clone, Debug)]
-pub struct Watching<'m> {
-    model: &'m Model<RunTime>,
-    evidence: Evidence<RunTime>,
-}
-
-impl<'m> Watching<'m> {
-    /// Of a drive that is not yet known.
-    pub(super) fn new(model: &'m Model<RunTime>) -> Self {
-        Self { model, evidence: Evidence::new(model) }
-    }
-
-    fn observe(&mut self, segment: &SegmentReport) {
-        match (decision(self.model, segment), segment.reason) {
-            (None, Some(reason)) => self.evidence.observe_outcome(Err(reason)),
-            (decision, _) => self.evidence.observe(decision.as_ref()),
-        };
-    }
-
-    /// Takes a run and ends it.
-    pub fn run<'a>(&mut self, segments: impl IntoIterator<Item = &'a SegmentReport>) {
-        segments.into_iter().for_each(|segment| self.observe(segment));
-        self.evidence.end_run();
-    }
-
-    /// Size and growth in a direction, until a size in standard deviations of usual runs.
-    #[must_use]
-    pub fn growth_to(&self, direction: u8, size: f32) -> Option<Growth> {
-        self.evidence.growth_to(direction, size)
-    }
-}
-
 /// State of the core's evidence after each of these segments.
 pub(super) fn over(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Watched> {
-    let mut watching = Watching::new(model);
+    let mut evidence = Evidence::new(model);
     let mut observe = |segment: &SegmentReport| {
-        watching.observe(segment);
-        Watched::of(&watching.evidence)
+        match (decision(model, segment), segment.reason) {
+            (None, Some(reason)) => evidence.observe_outcome(Err(reason)),
+            (decision, _) => evidence.observe(decision.as_ref()),
+        };
+        Watched::of(&evidence)
     };
     segments.iter().map(&mut observe).collect()
 }

@@ -226,12 +226,11 @@ impl<'a> Bench<'a> {
             core.run(&decided(run));
         });
         let learned = judge(&core, (later, &observed), decided, history(1));
-        let banded = |run: &[Observed]| run.iter().map(|record| record.band).collect::<Vec<_>>();
-        let usual = Usual::of(known.iter().map(|run| mean(banded(run).into_iter())));
+        let banded = |run: &[Observed]| run.iter().map(|record| vec![record.band]).collect::<Vec<_>>();
+        let usual = Usual::of(known.iter().map(|run| mean(run.iter().map(|record| record.band))));
         let runs = self.settings.hours / self.run_h();
         let threshold = judge(&Threshold::new(usual, runs), (later, &observed), banded, history(2));
-        let summed = |run: &[Observed]| run.iter().map(|record| vec![record.band]).collect();
-        let cusum = judge(&Cusum::new(vec![usual], runs), (later, &observed), summed, history(3));
+        let cusum = judge(&Cusum::new(vec![usual], runs), (later, &observed), banded, history(3));
         let directed = |run: &[Observed]| run.iter().map(|record| record.directed.clone()).collect::<Vec<_>>();
         let of_direction = |k: usize| known.iter().map(move |run| mean(run.iter().map(|record| record.directed[k])));
         let usual = (0..self.directions).map(|k| Usual::of(of_direction(k))).collect();

@@ -84,10 +84,10 @@ impl Threshold {
 }
 
 impl Watch for Threshold {
-    type Record = f64;
+    type Record = Vec<f64>;
 
-    fn run(&mut self, records: &[f64]) -> Option<usize> {
-        (self.usual.score(mean(records.iter().copied())) > self.limit).then_some(0)
+    fn run(&mut self, records: &[Vec<f64>]) -> Option<usize> {
+        (self.usual.score(mean(records.iter().flatten().copied())) > self.limit).then_some(0)
     }
 }
 
@@ -153,6 +153,6 @@ mod tests {
         let mut cusum = Cusum::new(vec![usual], 1000.0);
         assert!((0..20).all(|k| cusum.run(&[vec![if k == 9 { 5.0 } else { 0.0 }]]).is_none()));
         let mut threshold = Threshold::new(usual, 1000.0);
-        assert!(threshold.run(&[3.0]).is_none() && threshold.run(&[3.2]).is_some());
+        assert!(threshold.run(&[vec![3.0]]).is_none() && threshold.run(&[vec![3.2]]).is_some());
     }
 }

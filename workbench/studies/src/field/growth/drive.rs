@@ -1,5 +1,7 @@
 //! Recorded runs of one drive at sizes of one kind of defect.
 
+use bearing_watch::Evidence;
+use bearing_watch::plan::RunTime;
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
 
@@ -14,7 +16,7 @@ pub(super) const SIZES: [f64; 6] = [0.0, 0.0625, 0.125, 0.25, 0.5, 1.0];
 const DEFECTIVE: u32 = 500;
 
 /// A run: its segments.
-type Run = Vec<SegmentReport>;
+pub(super) type Run = Vec<SegmentReport>;
 
 /// The runs of a drive.
 #[derive(Clone, Debug)]
@@ -86,6 +88,14 @@ impl Drive {
         let place = (part.clamp(0.0, 1.0) * runs.len() as f64) as usize;
         &runs[place.min(runs.len() - 1)]
     }
+}
+
+/// Takes the segments of a run, and ends it.
+pub(super) fn observe(evidence: &mut Evidence<RunTime>, model: &Embedded, run: &Run) {
+    for segment in run {
+        evidence.observe(model.decision(segment).as_ref());
+    }
+    evidence.end_run();
 }
 
 /// Mean of the direction over the segments of a run that have it.

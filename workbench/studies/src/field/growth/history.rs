@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::drive::Drive;
+use super::drive::{Drive, observe};
 use super::laws::Law;
 use super::settings::{PARTS, Settings};
 use model::core::Embedded;
@@ -77,11 +77,11 @@ fn history_of(
     let end = onset + sizes[onset..].iter().position(grows)?;
     let asked = PARTS.map(|part| onset + (part * (end - onset) as f64).round() as usize);
     let mut outcome = [Asked { truth: 0.0, left: None }; PARTS.len()];
-    let mut watching = model.watching();
+    let mut evidence = model.evidence();
     for (run, size) in sizes[..end].iter().enumerate() {
-        watching.run(&drive.run(*size, &mut random));
+        observe(&mut evidence, model, &drive.run(*size, &mut random));
         for (answer, _) in outcome.iter_mut().zip(asked).filter(|(_, asked)| *asked == run) {
-            let growth = watching.growth_to(drive.direction as u8, named as f32);
+            let growth = evidence.growth_to(drive.direction as u8, named as f32);
             let left = growth.and_then(|growth| growth.left);
             answer.truth = (end - run) as f64;
             answer.left = left.map(|left| [left.value, left.low, left.high].map(f64::from));
@@ -104,13 +104,13 @@ fn healthy_of(model: &Embedded, drive: &Drive, (lasting, named): (f64, f64), see
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let law = Normal::standard();
     let mut normal = || law.inverse_cdf(random.random_range(1e-9..1.0));
-    let (mut watching, mut healthy) = (model.watching(), Healthy::default());
+    let (mut evidence, mut healthy) = (model.evidence(), Healthy::default());
     let mut offset = normal();
     for run in 0..HEALTHY {
         offset = lasting * offset + (1.0 - lasting * lasting).sqrt() * normal();
-        watching.run(drive.healthy(law.cdf(offset)));
+        observe(&mut evidence, model, drive.healthy(law.cdf(offset)));
         if run >= FIRST {
-            let growth = watching.growth_to(drive.direction as u8, named as f32);
+            let growth = evidence.growth_to(drive.direction as u8, named as f32);
             healthy.runs += 1;
             healthy.growing += usize::from(growth.is_some_and(|growth| growth.is_growing()));
         }
