@@ -70,6 +70,7 @@ fn page(path: &Path, file: &ModelFile, found: &Evaluation) -> String {
         scores: &found.scores,
         notes: &[found.told_missing().into_iter().collect(), found.found.notes()].concat(),
         by: &found.found.by,
+        roc_areas: &found.found.roc_areas,
         stability: &found.found.stability,
     };
     evaluation::page(&lead, all).render()

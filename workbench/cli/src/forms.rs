@@ -104,6 +104,7 @@ pub(super) const EVALUATE: Form = Form {
         ("untrained_not_called_healthy", "object", "Rate by class that the model was not trained on"),
         ("controls_not_called_healthy", "object", "Rate by class of --control-classes"),
         ("chance", "object?", "What chance alone gives"),
+        ("roc_areas", "array", "Areas under ROC curves by class and score: within units, and pooled, with intervals"),
         ("controls", "array", "Negative controls of --controls"),
         ("by", "object", "Rates by the values of the columns of --by"),
         ("log_score", "object?", "Mean logarithm of the probability of the true class"),

@@ -4,9 +4,12 @@ mod breakdown;
 mod by_run;
 mod chance;
 mod confusion;
+mod discrimination;
 mod groups;
 mod judged;
+mod ranks;
 mod rate;
+mod roc;
 mod stability;
 mod verdict;
 
@@ -14,8 +17,10 @@ pub use breakdown::Breakdown;
 pub use by_run::{FalseAlarms, RunAlarms};
 pub use chance::{Chance, Control, Exchange};
 pub use confusion::Confusion;
+pub use discrimination::{Discrimination, area_words};
 pub use judged::Judged;
 pub use rate::Rate;
+pub use roc::{Areas, Scored};
 pub use stability::{Stability, stability};
 pub use verdict::{TraceVerdict, run};
 

@@ -9,7 +9,7 @@ use crate::training::{confusion_html, posteriors_by_trace};
 use crate::worth::calibration;
 use crate::{Class, Page};
 use model::core::{Embedded, Finding};
-use model::evaluate::{Breakdown, Confusion, Rate, Stability, TraceVerdict};
+use model::evaluate::{Breakdown, Confusion, Discrimination, Rate, Stability, TraceVerdict, area_words};
 use model::train::Scores;
 
 /// What was found on labelled traces.
@@ -31,6 +31,8 @@ pub struct Evaluation<'a> {
     pub scores: &'a Scores,
     /// Further results as sentences.
     pub notes: &'a [String],
+    /// How well each score distinguishes each class from healthy.
+    pub roc_areas: &'a [Discrimination],
     /// Rates by columns of the labels.
     pub by: &'a [Breakdown],
     /// Stability of the features of each class over runs.
@@ -44,6 +46,7 @@ pub fn page(lead: &str, found: Evaluation) -> Page {
     let points = points(chosen, verdicts, found.runs);
     let mut result = if found.confusion.total() > 0 { confusion_html(found.confusion) } else { String::new() };
     result += &found.notes.iter().map(|note| paragraph(note)).collect::<String>();
+    result += &areas(found.roc_areas);
     result += &found.by.iter().map(breakdown).collect::<String>();
     let words = conclusion::evaluation::words(found.confusion, verdicts, classes);
     let mut page = Page::new("bearing-watch: evaluation").conclusion(words).lead(lead).section("Result", &result);
@@ -69,6 +72,29 @@ fn breakdown(one: &Breakdown) -> String {
         [vec![value.clone(), traces.to_string()], rates.iter().map(cell).collect()].concat()
     };
     table(&header, &one.rows.iter().map(row).collect::<Vec<_>>())
+}
+
+fn areas(found: &[Discrimination]) -> String {
+    if found.is_empty() {
+        return String::new();
+    }
+    let cell = |rate: Option<Rate>| rate.map_or_else(|| "–".into(), area_words);
+    let row = |one: &Discrimination| {
+        let units = if one.has_units { one.areas.units.to_string() } else { "–".into() };
+        let words = one.difference().unwrap_or_default().to_string();
+        vec![
+            one.class.clone(),
+            one.score.clone(),
+            cell(one.areas.within),
+            units,
+            one.of_one_class.len().to_string(),
+            cell(one.areas.pooled),
+            words,
+        ]
+    };
+    let header =
+        ["class against healthy", "by", "ROC area within units", "units", "of one class", "of all together", ""];
+    table(&header, &found.iter().map(row).collect::<Vec<_>>())
 }
 
 fn stability(found: &[(String, Vec<Stability>)]) -> String {

@@ -52,6 +52,15 @@ fn rates_count_runs_and_units() {
     // Roughness is told from healthy traces: 1 of the 70² exchanges within two runs of 4 + 4 is as good.
     let chance = &found["chance"];
     assert!(chance["p"].as_f64().expect("p") < 0.002 && chance["exchanged"] == "within runs", "{found}");
+    // A run is a unit of the ROC areas; spall was not trained, and its score is the surprise.
+    let areas = found["roc_areas"].as_array().expect("areas");
+    let of = |class: &str| areas.iter().find(|area| area["class"] == class).unwrap_or_else(|| panic!("{class}"));
+    let (roughness, spall) = (of("roughness"), of("spall"));
+    assert!(roughness["score"] == "log-odds" && spall["score"] == "surprise", "{areas:?}");
+    assert!(roughness["within"]["value"] == 1.0 && roughness["units"] == 2, "{roughness}");
+    // Two units that are separated are two decisions.
+    assert!(roughness["within"]["low"].as_f64().is_some_and(|low| (0.3..0.4).contains(&low)), "{roughness}");
+    assert!(plain["roc_areas"][0]["within"].is_object(), "by the runs of the training: {plain}");
     let units = found["by"]["unit"].as_array().expect("values");
     assert_eq!(units.iter().map(|row| row["traces"].as_u64()).collect::<Vec<_>>(), [Some(12), Some(12)]);
     assert!(units.iter().all(|row| row["right"]["roughness"]["value"] == 1.0), "{units:?}");
@@ -61,7 +70,10 @@ fn rates_count_runs_and_units() {
     assert!(session["p"].as_f64().expect("p") > 0.01 && session["exchanged"] == "within runs", "{session}");
     assert!(run["p"].is_null(), "two runs of one value each: {run}");
     let told = succeed(dir, &by_run);
-    for line in ["intervals count values of run", "right by unit", "spall, negative control", "nothing to compare"] {
+    let area = "roughness against healthy by log-odds: 1.000 [0.342, 1.000] within 2 units, 1.000";
+    for line in
+        [area, "intervals count values of run", "right by unit", "spall, negative control", "nothing to compare"]
+    {
         assert!(told.contains(line), "{line} in {told}");
     }
     let all = json(&succeed(dir, &format!("evaluate --model m.bwm {labels} --group run --json")));

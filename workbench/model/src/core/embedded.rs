@@ -173,18 +173,39 @@ impl Embedded {
     /// The feature that a direction of the alarm watches.
     #[must_use]
     pub fn direction_feature(&self, orders: &[String], direction: u8) -> String {
-        let watched = self.directions().get(usize::from(direction));
+        let watched = self.watched().get(usize::from(direction));
         watched.map_or_else(|| "unknown".into(), |direction| self.feature_name(orders, direction.coordinate))
     }
 
-    fn directions(&self) -> &[Direction] {
+    fn watched(&self) -> &[Direction] {
         &self.model.constants().classifier.novelty.directions.list
+    }
+
+    /// Number of directions that the alarm watches.
+    #[must_use]
+    pub fn directions(&self) -> u8 {
+        u8::try_from(self.watched().len()).unwrap_or(u8::MAX)
+    }
+
+    /// Mean of the values of a direction, with the weights of the segments of a run; `None` if they have none.
+    #[must_use]
+    pub fn mean_in_direction(&self, segments: &[SegmentReport], place: u8) -> Option<f64> {
+        let within = f64::from(self.watched().get(usize::from(place))?.segment);
+        let determined = segments.iter().filter(|segment| segment.verdict.is_ok());
+        let values = determined.filter_map(|segment| segment.directed.get(usize::from(place)));
+        let known = values.filter(|value| !value.is_missing());
+        let weighted = known.map(|value| {
+            let weight = 1.0 / (1.0 + f64::from(value.variance) / within);
+            (weight, weight * f64::from(value.value))
+        });
+        let (weights, sum) = weighted.fold((0.0, 0.0), |all, one| (all.0 + one.0, all.1 + one.1));
+        (weights > 0.0).then(|| sum / weights)
     }
 
     /// The same with the features that are subtracted from it.
     #[must_use]
     pub fn direction_name(&self, orders: &[String], direction: u8) -> String {
-        let watched = self.directions().get(usize::from(direction));
+        let watched = self.watched().get(usize::from(direction));
         let terms = watched.map_or(&[][..], |direction| &direction.background);
         let subtracted = terms.iter().filter(|term| term.weight != 0.0);
         let background: Vec<String> = subtracted.map(|term| self.feature_name(orders, term.coordinate)).collect();

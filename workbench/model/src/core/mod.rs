@@ -23,5 +23,6 @@ pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
 pub use stream::{Judged, Stream};
 pub use watch::Watched;
+pub(crate) use watch::combined_surprise;
 pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring, column, fields};
 pub use words::{denied, stuck_channels};

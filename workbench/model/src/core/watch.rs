@@ -103,7 +103,7 @@ pub(super) fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Optio
 
 /// Surprise of several independent segments together (Fisher 1932): the sum of k unit exponentials is at least S with
 /// probability e^−S Σ_{j<k} S^j/j!.
-pub(super) fn combined_surprise(surprises: impl Iterator<Item = f32>) -> f32 {
+pub(crate) fn combined_surprise(surprises: impl Iterator<Item = f32>) -> f32 {
     let (mut sum, mut count) = (0.0_f64, 0);
     for surprise in surprises {
         sum += f64::from(surprise);

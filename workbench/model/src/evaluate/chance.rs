@@ -19,6 +19,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
 use super::groups::numbered;
+use super::ranks::ranks;
 use super::{Judged, TraceVerdict};
 
 /// Exchanges of the labels.
@@ -205,20 +206,6 @@ fn score(verdict: &TraceVerdict) -> f64 {
     1.0 - verdict.posteriors.get(verdict.class).map_or(0.0, |p| f64::from(*p))
 }
 
-/// The rank of each value; equal values share the mean of their ranks.
-fn ranks(values: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&one, &other| values[one].total_cmp(&values[other]));
-    let mut out = vec![0.0; values.len()];
-    let mut from = 0;
-    for alike in order.chunk_by(|&one, &other| values[one].total_cmp(&values[other]).is_eq()) {
-        let rank = from as f64 + (alike.len() - 1) as f64 / 2.0;
-        alike.iter().for_each(|&place| out[place] = rank);
-        from += alike.len();
-    }
-    out
-}
-
 /// η²: the sum of squares between the labels as a part of the whole one.
 fn explained(values: &[f64], labels: &[usize], count: usize) -> f64 {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -266,11 +253,6 @@ mod tests {
         // Six traces in three runs of one label: even perfect separation has p = 1/3.
         let p = whole.p_value(&labels, |own| explained(&[1.0, 1.0, 9.0, 9.0, 1.0, 1.0], own, 2));
         assert!((p - 1.0 / 3.0).abs() < 0.02, "{p}");
-    }
-
-    #[test]
-    fn equal_values_share_their_rank() {
-        assert_eq!(ranks(&[3.0, 1.0, 3.0, 0.0]), [2.5, 1.0, 2.5, 0.0]);
     }
 
     #[test]

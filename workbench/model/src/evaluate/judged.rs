@@ -31,7 +31,7 @@ impl Judged<'_> {
 
     /// The number of each verdict's group, and how many groups there are. Without groups, traces are independent and
     /// segments of a trace are alike.
-    fn groups(&self) -> (Vec<usize>, usize) {
+    pub(super) fn places(&self) -> (Vec<usize>, usize) {
         self.groups.map_or_else(|| ((0..self.verdicts.len()).collect(), self.verdicts.len()), numbered)
     }
 
@@ -39,7 +39,7 @@ impl Judged<'_> {
     /// interval considers the groups.
     #[must_use]
     pub fn right(&self, chosen: impl Fn(usize) -> bool) -> Option<Rate> {
-        let (places, count) = self.groups();
+        let (places, count) = self.places();
         let mut groups = vec![(0, 0); count];
         for (k, verdict) in self.verdicts.iter().enumerate().filter(|(k, _)| chosen(*k)) {
             for finding in verdict.findings(self.per_segment) {
@@ -53,7 +53,7 @@ impl Judged<'_> {
     /// The counts of the trained classes.
     #[must_use]
     pub fn confusion(&self) -> Confusion {
-        let (places, count) = self.groups();
+        let (places, count) = self.places();
         let mut confusion =
             Confusion { healthy: self.healthy, ..Confusion::of_groups(&self.classes[..self.trained], count) };
         for (verdict, group) in self.verdicts.iter().zip(places).filter(|(verdict, _)| verdict.class < self.trained) {

@@ -77,6 +77,20 @@ impl Rate {
         Self::wilson_of(p * effective, effective)
     }
 
+    /// A rate whose variance is known from groups, of which there are so many. Groups that differ in nothing have no
+    /// variance: then it is that of as many decisions as there are groups.
+    pub(super) fn of_variance(value: f64, variance: f64, groups: f64) -> Self {
+        let student = StudentsT::new(0.0, 1.0, groups - 1.0);
+        let effective = match student {
+            Ok(student) if variance > 0.0 => {
+                let count = value * (1.0 - value) / variance * (Q / student.inverse_cdf(0.975)).powi(2);
+                count.max(groups)
+            }
+            _ => groups,
+        };
+        Self::wilson_of(value * effective, effective)
+    }
+
     /// Mean of independent rates; its interval follows from variances recovered from their intervals (MOVER, Zou and
     /// Donner 2008), which remains valid at 0 and 100 %.
     #[must_use]

@@ -9,7 +9,7 @@ use super::log::Log;
 use super::model_file::ModelFile;
 use super::selection::{Groups, Selection};
 use crate::Error;
-use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
+use crate::evaluate::{Breakdown, Chance, Confusion, Control, Discrimination, FalseAlarms, Judged, TraceVerdict};
 use crate::settings::Settings;
 use crate::trace::Tally;
 use crate::trace::labels::LabelledTrace;
@@ -157,10 +157,14 @@ impl<'a> Judging<'a> {
         let columns = |names: &[String]| names.iter().map(cells).collect::<Result<Vec<_>, Error>>();
         let runs = groups.runs.as_ref();
         let by_run = runs.zip(model.healthy());
+        // Without a named column, the one that told the runs of the training, if these labels have it too.
+        let known = || notes.group.as_ref().and_then(|column| self.selection.cells(column, traces).ok());
+        let units = judged.groups.map(<[String]>::to_vec).or_else(known);
         let (rates, controls) = (columns(&by.by)?, columns(&by.controls)?);
         Ok(Findings {
             by_run: by_run.map(|(runs, healthy)| FalseAlarms::of(verdicts, runs, healthy, self.options.per_segment)),
             chance: Chance::of(judged),
+            roc_areas: Discrimination::all(&Judged { groups: units.as_deref(), ..*judged }, model, &notes.orders),
             by: rates.iter().map(|(column, cells)| Breakdown::of(judged, column, cells)).collect(),
             controls: controls.iter().map(|(column, cells)| Control::of(judged, column, cells)).collect(),
             untrained: untrained(judged, &by.control_classes),

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use crate::core::features::Catalogue;
-use crate::evaluate::{Breakdown, Chance, Control, FalseAlarms, Judged, Rate, Stability, stability};
+use crate::evaluate::{Breakdown, Chance, Control, Discrimination, FalseAlarms, Judged, Rate, Stability, stability};
 use crate::train::features_of;
 
 /// What is found beside the confusion matrix.
@@ -13,6 +13,8 @@ pub struct Findings {
     pub by_run: Option<FalseAlarms>,
     /// What chance alone would give.
     pub chance: Option<Chance>,
+    /// How well each score distinguishes each class from healthy.
+    pub roc_areas: Vec<Discrimination>,
     /// Rates by the values of columns.
     pub by: Vec<Breakdown>,
     /// Negative controls.
@@ -32,6 +34,7 @@ impl Findings {
         value["untrained_not_called_healthy"] = rates(false).into();
         value["controls_not_called_healthy"] = rates(true).into();
         value["chance"] = self.chance.as_ref().map_or(Value::Null, Chance::to_json);
+        value["roc_areas"] = self.roc_areas.iter().map(Discrimination::to_json).collect();
         value["controls"] = self.controls.iter().map(Control::to_json).collect();
         let by = self.by.iter().map(|one| (one.column.clone(), one.to_json()));
         value["by"] = by.collect::<Map<_, _>>().into();
@@ -59,6 +62,7 @@ impl Findings {
 
     pub(super) fn lines(&self) -> Vec<String> {
         let mut lines: Vec<String> = self.by.iter().map(ToString::to_string).chain(self.notes()).collect();
+        lines.extend(self.roc_areas.iter().map(ToString::to_string));
         // The first class stands for the others of a model without a healthy one; JSON has all.
         for (class, rows) in self.stability.iter().take(1) {
             let runs = rows[0].runs;
