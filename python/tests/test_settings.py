@@ -6,7 +6,10 @@ import bearing_watch as bw
 import pytest
 from bearing_watch import _core
 
-ONLY_OF_EVALUATE = {"by", "controls", "control_classes"}
+ONLY_OF = {
+    "evaluate": {"by", "controls", "control_classes"},
+    "replay": {"load_rating_n", "rollers", "bearing_load_n", "bearing_load_per_nm", "torque_constant_nm_a"},
+}
 
 
 def example(field):
@@ -34,7 +37,7 @@ def test_each_field_is_an_option(command):
     count = 0
     for section, fields in schema["properties"].items():
         for key, field in fields["properties"].items():
-            job = "evaluate" if key in ONLY_OF_EVALUATE else "train"
+            job = next((job for job, keys in ONLY_OF.items() if key in keys), "train")
             value, text = example(field)
             saved = _core.settings(job, {key: value})
             assert f"[{section}]\n{key} = {text}" in saved, (key, saved)

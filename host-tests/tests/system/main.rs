@@ -18,6 +18,7 @@ mod priors_and_costs;
 mod recorded_actuators;
 mod recorded_drives;
 mod recorded_families;
+mod recorded_forward;
 mod recorded_healthy_only;
 mod recorded_later_runs;
 mod recorded_slip;

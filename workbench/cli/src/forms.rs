@@ -142,6 +142,11 @@ pub(super) const REPLAY: Form = Form {
         ("alarm", "object?", "Segment and cause of the alarm, once it is raised"),
         ("run", "array?", "After the last segment of a run: deviations and score of each direction of the alarm"),
         ("growth", "object?", "Size in the direction of the alarm, its slope, and the time left, with 90 % intervals"),
+        (
+            "life",
+            "object?",
+            "After the last segment of a trace: load collective and nominal life of the bearing so far",
+        ),
         ("trend", "object?", "Slope of the distance a segment, with its interval"),
         ("parameters", "object?", "Parameters of the difference model"),
         ("variance", "number?", "Variance of its residuals"),

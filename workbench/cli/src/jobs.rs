@@ -67,8 +67,9 @@ jobs! {
         required: &["traces", "y", "u1"],
     }, help: &[TRACES];
     /// `replay`.
-    Replay = Use { name: "replay", keys: &[&["traces", "labels", "group"]], required: &["traces"] }, help: &[
+    Replay = Use::REPLAY, help: &[
         TRACES,
+        ("bearing", "Balls, ball and pitch diameter, contact angle in rad, for the nominal life: says which swings are short"),
         ("labels", "Labels with the column of --group; by default those of the drive file"),
         (
             "group",

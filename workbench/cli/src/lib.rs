@@ -34,6 +34,7 @@ mod help;
 mod identify;
 mod init;
 mod jobs;
+mod life;
 mod listen;
 mod options;
 mod output;

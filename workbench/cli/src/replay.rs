@@ -7,6 +7,7 @@ use bearing_watch::alarm::{Contribution, Interval, Trend};
 use serde_json::{Value, json};
 
 use super::jobs::Replay;
+use super::life::Life;
 use super::options::Taken;
 use super::output;
 use model::Error;
@@ -71,13 +72,16 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (mut raised, mut trend, mut size) = (false, None, String::new());
     let mut conclusion = Conclusion::new(&model, &notes.orders);
     let ends = args.run_ends(&notes, &traces)?;
+    let mut life = Life::new(&args.taken.settings, &notes)?;
     for (trace, run_ends) in traces.into_iter().zip(ends) {
         let prepared = notes.preparation().apply(&trace)?;
         let (segments, evidence): (Vec<_>, Vec<_>) = stream.run(&prepared, run_ends).into_iter().unzip();
         conclusion.take(&prepared, &segments, &evidence);
+        life.take(&trace);
         for (k, (segment, watched)) in segments.iter().zip(&evidence).enumerate() {
             if args.json {
-                values.push(value(&model, (&prepared, k), (segment, watched), &notes.orders));
+                let life = if k + 1 == segments.len() { life.to_json() } else { Value::Null };
+                values.push(value(&model, (&prepared, k), (segment, watched), (&notes.orders, life)));
                 continue;
             }
             let gated = model.healthy().is_some();
@@ -105,7 +109,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     if let Some(path) = &args.report {
         let title = format!("Replay through {}", args.model.display());
-        let page = page(&title, (&model, &notes.channels), &replayed, &conclusion);
+        let page = life.on_page(page(&title, (&model, &notes.channels), &replayed, &conclusion));
         output::write(path, args.taken.on_page(page.render()))?;
     }
     if args.json {
@@ -117,6 +121,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
         output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
     }
+    life.lines().iter().try_for_each(output::say)?;
     output::say(conclusion.words())
 }
 
@@ -286,7 +291,7 @@ fn value(
     model: &Embedded,
     (trace, number): (&Trace, usize),
     (segment, watched): (&SegmentReport, &Watched),
-    orders: &[String],
+    (orders, life): (&[String], Value),
 ) -> Value {
     let (missing, outside) = (missing(model, orders, segment), outside(model, orders, segment));
     let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, Value> {
@@ -335,6 +340,7 @@ fn value(
             "runs_left": growth.left.map(interval),
             "hours_left": growth.left_hours().filter(|_| growth.run_hours > 0.0).map(interval),
         })),
+        "life": life,
         "trend": watched.trend.map(|t| interval(Interval { value: t.slope, low: t.low, high: t.high })),
         "parameters": estimated.then(|| named_by(&model.structure().map_or_else(Vec::new, |own| own.names()), &segment.raw)),
         "variance": estimated.then_some(segment.variance),

@@ -23,6 +23,7 @@
 //! | [`piecewise`] | first-order models of the straight runs of one record |
 //! | [`train`] | labelled traces → projection, classes, gate and alarm |
 //! | [`evaluate`] | verdicts on other traces, counted by class and run |
+//! | [`life`] | load collective and nominal life of a bearing |
 //! | [`core`] | traces through the detector of the firmware, and names of its features |
 //! | [`outputs`] | files that are complete or absent |
 //! | [`statistics`] | mean and standard deviation over repetitions |
@@ -34,6 +35,7 @@ pub mod error;
 pub mod evaluate;
 pub mod grey_box;
 pub mod identify;
+pub mod life;
 pub mod outputs;
 pub mod piecewise;
 pub mod recursive;

@@ -31,6 +31,7 @@ pub mod conclusion;
 mod departing;
 pub mod escape;
 pub mod evaluation;
+pub mod life;
 pub mod live;
 pub mod page;
 pub mod palette;

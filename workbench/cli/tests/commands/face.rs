@@ -224,7 +224,9 @@ fn json_has_the_form_that_its_schema_describes() {
     let evaluate = "evaluate --model m.bwm --labels runs/labels.csv --json";
     fit(&schema("evaluate"), &json(&succeed(dir, evaluate)));
     fit(&schema("evaluate"), &json(&succeed(dir, &format!("{evaluate} --group seed"))));
-    fit(&schema("replay"), &json(&succeed(dir, "replay --model m.bwm runs/spall_5_000.csv --json")));
+    let replay = "replay --model m.bwm runs/spall_5_000.csv --json";
+    fit(&schema("replay"), &json(&succeed(dir, replay)));
+    fit(&schema("replay"), &json(&succeed(dir, &format!("{replay} --bearing 9,3,17,0.1745"))));
     let output = run(dir, "replay --model absent.bwm runs --json");
     fit(&schema("error"), &json(&String::from_utf8_lossy(&output.stdout)));
     let fits = |form: &str, command: &str| fit(&schema(form), &json(&succeed(dir, &format!("{command} --json"))));

@@ -15,8 +15,9 @@ struct Set {
     value: Value,
 }
 
-/// Options that a training does not do without.
-const BASE: [(&str, &str); 4] = [("labels", "l.csv"), ("y", "y"), ("u1", "u"), ("order", "1,1,0,1,1")];
+/// Options that a training or a replay does not do without.
+const BASE: [(&str, &str); 5] =
+    [("traces", "t.csv"), ("labels", "l.csv"), ("y", "y"), ("u1", "u"), ("order", "1,1,0,1,1")];
 
 /// Whether the schema of a field allows a kind.
 fn is(field: &Value, kind: &str) -> bool {
@@ -68,9 +69,12 @@ fn by_file(own: &str, toml: &str) -> Settings {
 
 /// The settings that the command line understands: it saves them before it looks for the labels.
 fn by_words(folder: &Path, job: &Use, own: &str, set: &Set) -> Settings {
-    let base =
-        BASE.iter().filter(|(key, _)| *key != own && job.takes(key)).map(|(key, value)| format!("--{key} {value}"));
-    let base = base.collect::<Vec<_>>().join(" ");
+    let base = BASE.iter().filter(|(key, _)| *key != own && job.takes(key));
+    let option = |(key, value): &(&str, &str)| match *key {
+        "traces" => (*value).to_string(),
+        key => format!("--{key} {value}"),
+    };
+    let base = base.map(option).collect::<Vec<_>>().join(" ");
     let words = set.words.join(" ");
     let output = run(folder, &format!("{} {words} {base} --model m.bwm --save saved.toml", job.name));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -97,7 +101,7 @@ fn each_field_is_set_by_each_face() {
     for (section, fields) in sections {
         for (key, field) in fields["properties"].as_object().expect("fields") {
             let set = example(key, field);
-            let job = [Use::TRAIN, Use::EVALUATE].into_iter().find(|job| job.takes(key));
+            let job = [Use::TRAIN, Use::EVALUATE, Use::REPLAY].into_iter().find(|job| job.takes(key));
             let job = job.unwrap_or_else(|| panic!("no command takes {key} of [{section}]"));
             let (options, words) = (by_options(&job, key, set.value.clone()), by_words(folder.path(), &job, key, &set));
             assert_eq!(options, words, "{key} by Python and by the command line");

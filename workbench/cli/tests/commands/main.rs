@@ -19,6 +19,7 @@ mod format_commands;
 mod front_end_commands;
 mod grey_box_commands;
 mod lab_commands;
+mod life_commands;
 mod listen_command;
 mod listen_raw_command;
 mod missing_commands;

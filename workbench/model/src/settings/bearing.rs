@@ -1,4 +1,4 @@
-//! `[bearing]`: the events per turn of its defects.
+//! `[bearing]`: the events per turn of its defects, and its load.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use super::merge::merges;
 /// Largest relative slip that is searched: real cages slip by up to 2 %, and with the load on the contact angle.
 pub(super) const SLIP: f64 = 0.022;
 
-/// The events per turn of the defects of a bearing.
+/// The events per turn of the defects of a bearing, and its load.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -29,6 +29,36 @@ pub struct Bearing {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "PART", "x-shaft" = true)))]
     pub slip: Option<f64>,
+    /// Basic dynamic load rating C of the catalogue, N: replay then gives load collective and nominal life by ISO 281
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NEWTON")))]
+    pub load_rating_n: Option<f64>,
+    /// The rolling elements are rollers, not balls
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub rollers: bool,
+    /// Load of the bearing that does not change, N
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NEWTON")))]
+    pub bearing_load_n: Option<f64>,
+    /// Load of the bearing per torque, N/(N·m): of a gear or belt one over its radius, of a screw 2π over its lead
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "FACTOR")))]
+    pub bearing_load_per_nm: Option<f64>,
+    /// Torque constant of the motor, N·m/A: the torque of the bearing's load is that of the current, otherwise that of
+    /// the load sensor
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "FACTOR")))]
+    pub torque_constant_nm_a: Option<f64>,
 }
 
-merges!(Bearing { bearing, orders, harmonics, slip });
+merges!(Bearing {
+    bearing,
+    orders,
+    harmonics,
+    slip,
+    load_rating_n,
+    rollers,
+    bearing_load_n,
+    bearing_load_per_nm,
+    torque_constant_nm_a,
+});

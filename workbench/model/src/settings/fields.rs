@@ -35,7 +35,7 @@ pub fn sections() -> &'static [Section] {
                  \"integrate(speed_rpm) rad\"",
                 fields::<Signals>(),
             ),
-            ("Bearing: events per turn of its defects", fields::<Bearing>()),
+            ("Bearing: events per turn of its defects, and its load", fields::<Bearing>()),
             ("Model and features", fields::<Model>()),
             ("Which records train, which are of one run or unit, and negative controls", fields::<Validation>()),
             ("Healthy class, rates and costs", fields::<Alarm>()),

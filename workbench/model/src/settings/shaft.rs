@@ -81,7 +81,7 @@ impl Settings {
 
 impl Bearing {
     /// Names and orders, those of the bearing first.
-    fn orders(&self) -> Result<Vec<(String, f64)>, Error> {
+    pub(super) fn orders(&self) -> Result<Vec<(String, f64)>, Error> {
         let mut orders = match self.bearing[..] {
             [] => vec![],
             [balls, ball, pitch, contact] if (1.0..=255.0).contains(&balls) && 0.0 < ball && ball < pitch => {

@@ -45,6 +45,9 @@ const SHAFT: &[&str] = &[
     "current_delay",
     "balance_cutoff_hz",
 ];
+/// A bearing, and what loads it.
+const LIFE: &[&str] =
+    &["bearing", "load_rating_n", "rollers", "bearing_load_n", "bearing_load_per_nm", "torque_constant_nm_a"];
 const ESTIMATION: &[&str] = &["method", "nominal", "segment", "memory", "handover", "huber", "saturation", "stuck"];
 const CLASSIFIER: &[&str] = &[
     "features",
@@ -95,6 +98,9 @@ impl Use {
         keys: &[SELECTION, GROUPS, &["test_where", "by", "controls", "control_classes"]],
         required: &["labels"],
     };
+    /// Replay of recordings through a model.
+    pub const REPLAY: Self =
+        Self { name: "replay", keys: &[&["traces", "labels", "group"], LIFE], required: &["traces"] };
     /// Features of traces as a part.
     pub const FEATURES: Self = Self {
         name: "features",
@@ -204,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_job_takes_known_keys_and_each_key_is_taken() {
-        let jobs = [Use::TRAIN, Use::EVALUATE, Use::FEATURES, Use::FEATURES_SUM, Use::TRAIN_FEATURES];
+        let jobs = [Use::TRAIN, Use::EVALUATE, Use::REPLAY, Use::FEATURES, Use::FEATURES_SUM, Use::TRAIN_FEATURES];
         for job in jobs {
             let stranger = job.keys().chain(job.required.iter().copied()).find(|key| section_of(key).is_none());
             assert_eq!(stranger, None, "{}", job.name);

@@ -70,7 +70,14 @@ impl Gate {
                 spread::BOUND
             )
         });
-        let all: Vec<String> = few.into_iter().chain(self.wider()).collect();
+        let free = runs.as_ref().map(|runs| (runs.count, 1.0 / (runs.count as f64 + 1.0)));
+        let free = free.filter(|(_, free)| *free > rate).map(|(count, free)| {
+            format!(
+                "the rate is that of normally distributed means of runs; without this law {count} runs support {:.0} %",
+                100.0 * free
+            )
+        });
+        let all: Vec<String> = few.into_iter().chain(free).chain(self.wider()).collect();
         (!all.is_empty()).then(|| all.join("; "))
     }
 
