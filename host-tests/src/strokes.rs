@@ -21,6 +21,36 @@ pub const RUNS: std::ops::RangeInclusive<usize> = 1..=7;
 /// Samples to a block.
 pub const BLOCK: usize = 4;
 
+/// The states with a fault; the last [`CONTROLS`] are negative controls.
+pub const FAULTS: [&str; 12] = [
+    "lackLubrication1",
+    "lackLubrication2",
+    "backlash1",
+    "backlash2",
+    "spalling6",
+    "spalling7",
+    "spalling8",
+    // What the recording's authors call undetectable: the negative controls.
+    "spalling1",
+    "spalling2",
+    "spalling3",
+    "spalling4",
+    "spalling5",
+];
+/// Number of levels that the recording's authors call undetectable.
+pub const CONTROLS: usize = 5;
+
+/// The fault at a place of [`FAULTS`] as the documents name it.
+///
+/// # Panics
+/// If there is none.
+#[must_use]
+pub fn fault_name(place: usize) -> String {
+    let (fault, level) = FAULTS[place].split_at(FAULTS[place].len() - 1);
+    let control = if place == FAULTS.len() - CONTROLS { "*controls:* " } else { "" };
+    format!("{control}{} {level}", fault.replace("lackLubrication", "lubrication"))
+}
+
 /// One out-and-back stroke.
 #[derive(Clone, Debug)]
 pub struct Stroke {

@@ -14,29 +14,12 @@
 //! n strokes in p features. The held-out run and the faults have no part in it.
 
 use host_tests::documents;
-use host_tests::strokes::{LOADS, RUNS, Stroke, detector, judge, strokes};
+use host_tests::strokes::{CONTROLS, FAULTS, LOADS, RUNS, Stroke, detector, fault_name, judge, strokes};
 use model::core::Finding;
 use model::evaluate::{Rate, TraceVerdict};
 use model::identify::Structure;
 use model::train::{Alarms, Recipe, Trained};
 use nalgebra::{DMatrix, DVector};
-
-const FAULTS: [&str; 12] = [
-    "lackLubrication1",
-    "lackLubrication2",
-    "backlash1",
-    "backlash2",
-    "spalling6",
-    "spalling7",
-    "spalling8",
-    // What the recording's authors call undetectable: the negative controls.
-    "spalling1",
-    "spalling2",
-    "spalling3",
-    "spalling4",
-    "spalling5",
-];
-const CONTROLS: usize = 5;
 
 /// (1), over the runs that the gate is made of.
 fn stretch_squared(trained: &Trained) -> f64 {
@@ -198,12 +181,9 @@ fn novel_table(found: &[Found]) -> Vec<Vec<String>> {
     let none = [String::new(), String::new()];
     rows.push([row("normal, unseen runs (false alarms)", &|f| &f.false_alarms), none.to_vec()].concat());
     for (k, state) in FAULTS.iter().enumerate() {
-        let (fault, level) = state.split_at(state.len() - 1);
-        let control = if k == FAULTS.len() - CONTROLS { "*controls:* " } else { "" };
-        let name = format!("{control}{} {level}", fault.replace("lackLubrication", "lubrication"));
         let published = PUBLISHED.iter().find(|p| p.0 == *state);
         let published = published.map_or(none.clone(), |(_, q, t)| [q.to_string(), t.to_string()]);
-        rows.push([row(&name, &|f| &f.faults[k]), published.to_vec()].concat());
+        rows.push([row(&fault_name(k), &|f| &f.faults[k]), published.to_vec()].concat());
     }
     rows
 }
