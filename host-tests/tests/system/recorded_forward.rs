@@ -177,7 +177,7 @@ fn runs_until_the_alarm() {
             None => "none".into(),
         });
         table.push(std::iter::once(fault_name(k)).chain(cells).collect());
-        // The mean current is 0.12 A and more above normal at 20 and 40 kgf: two runs suffice for the rise, and one never does.
+        // The mean current is 0.12 A and more above normal at 20 and 40 kgf: for the rise two runs suffice, one never.
         if ["lackLubrication1", "lackLubrication2", "backlash2"].contains(state) {
             assert!(delays[..4].iter().all(|delay| matches!(delay, Some((2..=4, _)))), "{state}: {delays:?}");
         }

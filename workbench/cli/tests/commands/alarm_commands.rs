@@ -264,6 +264,9 @@ fn the_rate_of_the_next_run() {
     refuse(dir, &format!("{train} --features a"), &["6 runs support a false-alarm rate of 3 %", "at least 7 runs"]);
     let said = succeed(dir, &format!("{train} --features b1"));
     assert!(said.contains("The rate is that of the next run") && said.contains("6 runs"), "{said}");
+    // One in seven runs, not one in 24 segments.
+    let rests = ["of 6 runs, which count as ", "rates below 1.43e-1 rest on the fitted law and not on counted runs"];
+    assert!(rests.iter().all(|part| said.contains(part)), "{said}");
     assert!(said.contains("forward in time, first 4 runs: no gate") && said.contains("support"), "{said}");
     assert!(said.contains("forward in time, first 5 runs: false alarms later "), "{said}");
     let told = json(&succeed(dir, &format!("{train} --features b1 --json")));

@@ -42,9 +42,9 @@ fn replay_gives_the_nominal_life_of_a_loaded_bearing() {
     let million = given[1]["l10_million_turns"].as_f64().expect("a life");
     assert!((million / 2460.375 - 1.0).abs() < 1e-9, "{million}");
 
-    // A load that follows the torque, by the sensor and by the current; the constant of the rig's motor is 0.0345 N·m/A.
+    // A load that follows the torque, by the sensor and by the current; the rig's motor has 0.05 N·m/A.
     let follows = "--load-rating-n 13500 --bearing-load-per-nm 4000";
-    for torque in ["", "--torque-constant-nm-a 0.0345"] {
+    for torque in ["", "--torque-constant-nm-a 0.05"] {
         let values = json(dir, &format!("{replay} {follows} {torque} --json"));
         let life = values.as_array().and_then(|all| all.last()).expect("a segment")["life"].clone();
         let mean = life["mean_load_n"].as_f64().expect("a load");

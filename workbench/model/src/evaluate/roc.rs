@@ -206,7 +206,7 @@ mod tests {
             let of_unit = |unit: usize| {
                 let level = uniform(1.0) + 0.3 * (unit % 2) as f64;
                 let scores: Vec<f64> = (0..8).map(|_| level + uniform(1.0)).collect();
-                if unit % 2 == 0 { scored(unit, &scores, &[]) } else { scored(unit, &[], &scores) }
+                if unit.is_multiple_of(2) { scored(unit, &scores, &[]) } else { scored(unit, &[], &scores) }
             };
             (0..units).flat_map(of_unit).collect::<Vec<_>>()
         };

@@ -12,8 +12,8 @@
 //! C is the basic dynamic load rating of the catalogue. T is the torque, of the load sensor or of the current, f the
 //! bearing load per torque (of a gear, belt or screw; with the factors X and Y of ISO 281 in it), and F₀ a load that
 //! does not change. (5) is (3) with the travelled angle of both directions as turns, as a swing to and fro travels 2 ψ:
-//! so all motion is counted alike. It holds for swings of at least (6); e_o are the events per turn of an outer race. In
-//! shorter ones the paths of neighbouring balls do not overlap and the lubricant is not renewed: false brinelling and
+//! so all motion is counted alike. It holds for swings of at least (6); e_o are the events per turn of an outer race.
+//! In shorter ones the paths of neighbouring balls do not overlap and the lubricant is not renewed: false brinelling and
 //! fretting end the life, of which (3) says nothing. Rainflow counting of the angle ([`rainflow`]) says how much of the
 //! motion that is.
 //!

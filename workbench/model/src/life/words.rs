@@ -16,8 +16,8 @@ impl Collective {
         };
         let mut lines = vec![
             self.figures(&life),
-            "  that is, nine of ten such bearings reach it under this load, clean and lubricated; it says nothing of the \
-             state of this one"
+            "  that is, nine of ten such bearings reach it under this load, clean and lubricated; it says nothing of \
+             the state of this one"
                 .into(),
         ];
         lines.extend(self.cautions().into_iter().map(|caution| format!("  {caution}")));
@@ -51,8 +51,8 @@ impl Collective {
         }
         match (part(self.short.1), self.bearing.outer_order) {
             (Some(part), Some(order)) => cautions.push(format!(
-                "{part} of the motion is {:.0} swings of less than {:.0}°, in which a ball does not reach its neighbour's \
-                 place: they end in false brinelling rather than fatigue, of which L10 says nothing",
+                "{part} of the motion is {:.0} swings of less than {:.0}°, in which a ball does not reach its \
+                 neighbour's place: they end in false brinelling rather than fatigue, of which L10 says nothing",
                 self.short.0,
                 360.0 / order,
             )),
@@ -87,7 +87,10 @@ impl Collective {
             let (count, turns) = self.short;
             json!({ "below_deg": 360.0 / order, "count": count, "turns": turns })
         });
-        let class = |(from, to, turns): (f64, f64, f64)| json!({ "from_n": from, "to_n": Some(to).filter(|to| to.is_finite()), "turns": turns });
+        let class = |(from, to, turns): (f64, f64, f64)| {
+            let to = Some(to).filter(|to| to.is_finite());
+            json!({ "from_n": from, "to_n": to, "turns": turns })
+        };
         json!({
             "rating_n": self.bearing.rating_n,
             "mean_load_n": life.map(|life| life.mean_load_n),

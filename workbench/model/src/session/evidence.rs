@@ -59,16 +59,23 @@ pub(super) fn text(trained: &Trained, orders: Option<&Orders>) -> Option<String>
     let gate = trained.watch.gate.as_ref().map(|gate| {
         let rate = trained.recipe.alarms.false_alarm;
         let needed = gate.rows_needed;
-        let enough = if gate.rows >= needed { "They are enough" } else { "They are too few" };
+        let enough = if gate.counted() >= needed as f64 { "They are enough" } else { "They are too few" };
         let runs = gate.runs.as_ref().map_or_else(
             || ", runs not given: the rate is that of records like these".to_owned(),
-            |runs| format!(" of {} runs: the rate is that of the next run", runs.count),
+            |runs| {
+                let counted = gate.counted();
+                format!(
+                    " of {} runs, which count as {counted:.0} independent ones: the rate is that of the next run",
+                    runs.count
+                )
+            },
         );
+        let counts = if gate.runs.is_some() { "runs" } else { "segments" };
         format!(
             "The gate rests on {} healthy segments{runs}. {enough} for {rate} a segment within a factor of three \
-             ({needed} are needed); rates below {:.2e} rest on the fitted law and not on counted segments.",
+             ({needed} are needed); rates below {:.2e} rest on the fitted law and not on counted {counts}.",
             gate.rows,
-            1.0 / gate.rows.max(1) as f64
+            gate.least_counted_rate()
         )
     });
     let orders = orders.map(|own| {

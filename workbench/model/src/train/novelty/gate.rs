@@ -55,11 +55,23 @@ impl Gate {
         }
     }
 
+    /// Number of independent segments whose covariance has the same accuracy.
+    #[must_use]
+    pub fn counted(&self) -> f64 {
+        self.runs.as_ref().map_or(self.rows as f64, |runs| runs.freedom + 1.0)
+    }
+
+    /// The least rate that is known from counts, without the law of the distances: one in the number of segments, or of
+    /// runs with the next one, which is the farthest of all in one of so many cases.
+    #[must_use]
+    pub fn least_counted_rate(&self) -> f64 {
+        self.runs.as_ref().map_or_else(|| 1.0 / self.rows.max(1) as f64, |runs| 1.0 / (runs.count as f64 + 1.0))
+    }
+
     /// Says what is uncertain about the rate of this gate.
     pub(super) fn warning(&self, rate: f64) -> Option<String> {
         let Self { rows, runs, rows_needed, .. } = self;
-        // So many independent segments have a covariance of the same accuracy.
-        let counted = runs.as_ref().map_or(*rows as f64, |runs| runs.freedom + 1.0);
+        let counted = self.counted();
         let counted_as = runs.as_ref().map_or_else(String::new, |runs| {
             format!(" of {} runs, which count as {counted:.0} independent ones,", runs.count)
         });
@@ -70,11 +82,12 @@ impl Gate {
                 spread::BOUND
             )
         });
-        let free = runs.as_ref().map(|runs| (runs.count, 1.0 / (runs.count as f64 + 1.0)));
-        let free = free.filter(|(_, free)| *free > rate).map(|(count, free)| {
+        let unsupported = runs.as_ref().filter(|_| self.least_counted_rate() > rate);
+        let free = unsupported.map(|runs| {
             format!(
-                "the rate is that of normally distributed means of runs; without this law {count} runs support {:.0} %",
-                100.0 * free
+                "the rate is that of normally distributed means of runs; without this law {} runs support {:.0} %",
+                runs.count,
+                100.0 * self.least_counted_rate()
             )
         });
         let all: Vec<String> = few.into_iter().chain(free).chain(self.wider()).collect();
