@@ -14,7 +14,7 @@
 //! does not change. (5) is (3) with the travelled angle of both directions as turns, as a swing to and fro travels 2 ψ:
 //! so all motion is counted alike. It holds for swings of at least (6); e_o are the events per turn of an outer race.
 //! In shorter ones the paths of neighbouring balls do not overlap and the lubricant is not renewed: false brinelling and
-//! fretting end the life, of which (3) says nothing. Rainflow counting of the angle ([`rainflow`]) says how much of the
+//! fretting end the life, of which (3) says nothing. Rainflow counting of the angle (`rainflow`) says how much of the
 //! motion that is.
 //!
 //! Nine of ten bearings reach L₁₀; it is a figure of the population of equal bearings under this load, with usual
