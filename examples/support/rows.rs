@@ -1,5 +1,8 @@
 //! Rows of a recording, as `bearing-watch replay --rows` writes them, from the file `rows.bin`.
 
+#[path = "file.rs"]
+mod file;
+
 use bearing_watch::Angle;
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 
@@ -11,10 +14,12 @@ const NAME: &str = "rows.bin\0";
 const FIXED: usize = 16;
 /// Bytes of the longest row: 16 further channels.
 const LONGEST: usize = FIXED + 64;
+/// Bytes of one call to the host.
+const BLOCK: usize = 4096;
 
 /// The rows of the recording, one after another.
 pub struct Rows<const FURTHER: usize> {
-    file: File,
+    file: File<BLOCK>,
 }
 
 impl<const FURTHER: usize> Rows<FURTHER> {
@@ -55,64 +60,4 @@ impl<const FURTHER: usize> Iterator for Rows<FURTHER> {
 fn word(bytes: &[u8], place: usize) -> u32 {
     let byte = |k: usize| u32::from(bytes.get(place + k).copied().unwrap_or_default());
     byte(0) | byte(1) << 8 | byte(2) << 16 | byte(3) << 24
-}
-
-#[cfg(not(target_os = "none"))]
-mod file {
-    use std::io::{BufReader, Read as _};
-
-    pub struct File(BufReader<std::fs::File>);
-
-    impl File {
-        pub fn open(name: &str) -> Option<Self> {
-            std::fs::File::open(name.trim_end_matches('\0')).ok().map(|file| Self(BufReader::new(file)))
-        }
-
-        /// Whether all of `bytes` was read.
-        pub fn fill(&mut self, bytes: &mut [u8]) -> bool {
-            self.0.read_exact(bytes).is_ok()
-        }
-    }
-}
-
-/// Files of the host by semihosting.
-#[cfg(target_os = "none")]
-mod file {
-    use cortex_m_semihosting::syscall;
-
-    /// Bytes of one call to the host.
-    const BLOCK: usize = 4096;
-    /// Mode `rb` of `fopen`.
-    const READ_BINARY: usize = 1;
-
-    pub struct File {
-        handle: usize,
-        block: [u8; BLOCK],
-        used: usize,
-        filled: usize,
-    }
-
-    impl File {
-        pub fn open(name: &str) -> Option<Self> {
-            // SAFETY: the arguments are those of SYS_OPEN: text that ends with a zero, a mode, the length without it.
-            let handle = unsafe { syscall!(OPEN, name.as_ptr(), READ_BINARY, name.len() - 1) };
-            (handle != usize::MAX).then_some(Self { handle, block: [0; BLOCK], used: 0, filled: 0 })
-        }
-
-        /// Whether all of `bytes` was read.
-        pub fn fill(&mut self, bytes: &mut [u8]) -> bool {
-            bytes.iter_mut().all(|byte| self.next().map(|next| *byte = next).is_some())
-        }
-
-        fn next(&mut self) -> Option<u8> {
-            if self.used == self.filled {
-                // SAFETY: SYS_READ writes at most BLOCK bytes to the block, which lives until the call returns.
-                let left = unsafe { syscall!(READ, self.handle, self.block.as_mut_ptr(), BLOCK) };
-                (self.used, self.filled) = (0, BLOCK.checked_sub(left)?);
-            }
-            let byte = self.block.get(..self.filled)?.get(self.used).copied()?;
-            self.used += 1;
-            Some(byte)
-        }
-    }
 }

@@ -165,7 +165,7 @@ mod tests {
     use super::*;
 
     fn holds(counted: u64) -> bool {
-        let figure = Figure { name: "a".to_owned(), n: Some(8), instructions: Some(counted), bytes: None };
+        let figure = Figure { name: "a".to_owned(), n: Some(8), instructions: Some(counted), ..Figure::default() };
         bound("a", Some(8), 100).check(&[figure]).is_ok()
     }
 
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn size_is_bounded_in_bytes() {
-        let figure = Figure { name: "a".to_owned(), n: Some(8), instructions: None, bytes: Some(90) };
+        let figure = Figure { name: "a".to_owned(), n: Some(8), bytes: Some(90), ..Figure::default() };
         assert_eq!(bytes("a", None, 100).check(std::slice::from_ref(&figure)), Ok(90));
         assert!(bound("a", None, 100).check(&[figure]).is_err());
     }

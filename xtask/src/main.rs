@@ -10,6 +10,7 @@ mod child;
 #[cfg(test)]
 mod circles;
 mod coverage;
+mod cycles;
 mod dependencies;
 mod docs;
 #[cfg(test)]

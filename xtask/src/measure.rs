@@ -1,4 +1,5 @@
-//! `cargo xtask measure`: the kernels' instructions and bytes, counted on the emulated chip, and the stack they take.
+//! `cargo xtask measure`: the kernels' instructions and bytes, counted on the emulated chip, cycles estimated from a
+//! trace, and the stack they take.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -9,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::board::{Board, DRIVE, NO_FPU};
 use crate::toolchain::{self, Way};
-use crate::{elf, firmware, qemu, workspace};
+use crate::{cycles, elf, firmware, qemu, workspace};
 
 /// How the names of figures of any data end.
 const ANY_DATA: &str = ", any data";
@@ -26,13 +27,15 @@ const FOOTPRINTS: [(&str, Option<u64>, &str); 7] = [
 ];
 
 /// One measured kernel, or a size of the whole monitor.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Figure {
     pub name: String,
     /// The kernel's size, where it has one.
     pub n: Option<u64>,
     /// A call, averaged.
     pub instructions: Option<u64>,
+    /// The same in cycles, for each of [`cycles::WAIT_STATES`].
+    pub cycles: [Option<u64>; cycles::WAIT_STATES.len()],
     /// State of a kernel, stack of a call, or flash or RAM of a program.
     pub bytes: Option<u64>,
 }
@@ -50,16 +53,17 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
         ("monitor RAM, statics", sizes.ram),
     ];
     for (name, bytes) in rows {
-        figures.push(Figure { name: name.to_owned(), n: None, instructions: None, bytes: Some(bytes) });
+        figures.push(Figure { name: name.to_owned(), bytes: Some(bytes), ..Figure::default() });
     }
     Ok(figures)
 }
 
-/// What the examples `measure`, `memory`, `stack` and `measure_signature` print, and what [`FOOTPRINTS`] add to the
+/// What the examples `measure`, `measure_interrupt`, `memory`, `stack` and `measure_signature` print, and what [`FOOTPRINTS`] add to the
 /// smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
-    let mut figures = Vec::new();
-    for example in ["measure", "memory", "stack", "measure_signature"] {
+    let mut figures = timed(&firmware::build(way, DRIVE, "measure")?)?;
+    figures.extend(timed(&firmware::build(way, DRIVE, "measure_interrupt")?)?);
+    for example in ["memory", "stack", "measure_signature"] {
         figures.extend(printed(&firmware::build(way, DRIVE, example)?, DRIVE)?);
     }
     if toolchain::hindrance(way, NO_FPU.target).is_none() {
@@ -83,7 +87,7 @@ fn footprints(way: Way, programs: &[(&str, Option<u64>, &str)]) -> Result<Vec<Fi
     let without = flash("footprint_none")?;
     let figure = |(name, n, example): &(&str, Option<u64>, &str)| {
         let (name, bytes) = (format!("flash of {name}"), Some(flash(example)?.saturating_sub(without)));
-        Ok(Figure { name, n: *n, instructions: None, bytes })
+        Ok(Figure { name, n: *n, bytes, ..Figure::default() })
     };
     programs.iter().map(figure).collect()
 }
@@ -110,6 +114,27 @@ pub fn printed(elf: &Path, board: Board) -> Result<Vec<Figure>> {
     lines.iter().map(|line| figure(line)).collect()
 }
 
+/// What the compiler may move over the marks that a trace has of start and end of a call.
+const MOVED: u64 = 4;
+
+/// The same with cycles on the drive's chip.
+fn timed(elf: &Path) -> Result<Vec<Figure>> {
+    let lines = cycles::lines(&cycles::folder()?, elf, DRIVE)?;
+    let read = |lines: &[String]| lines.iter().map(|line| figure(line)).collect::<Result<Vec<_>>>();
+    let mut figures = read(&lines.instructions)?;
+    for (one, traced) in figures.iter().zip(read(&lines.traced)?) {
+        let difference = one.instructions.zip(traced.instructions).map_or(0, |(one, traced)| one.abs_diff(traced));
+        let same = one.name == traced.name && one.n == traced.n && difference <= MOVED;
+        ensure!(same, "{} n={:?}: the trace has {difference} instructions more or fewer", one.name, one.n);
+    }
+    for (column, lines) in lines.cycles.iter().enumerate() {
+        for (figure, with) in figures.iter_mut().zip(read(lines)?) {
+            figure.cycles[column] = with.instructions;
+        }
+    }
+    Ok(figures)
+}
+
 fn figure(line: &str) -> Result<Figure> {
     let value: Value =
         serde_json::from_str(line).with_context(|| format!("the firmware printed no JSON object: {line}"))?;
@@ -119,6 +144,7 @@ fn figure(line: &str) -> Result<Figure> {
         n: value["n"].as_u64(),
         instructions: value["instructions"].as_u64(),
         bytes: value["bytes"].as_u64(),
+        ..Figure::default()
     })
 }
 
@@ -128,7 +154,7 @@ pub fn json(figures: &[Figure]) -> String {
         .iter()
         .map(|f| {
             let object = json!({
-                "name": f.name, "n": f.n, "instructions": f.instructions, "bytes": f.bytes
+                "name": f.name, "n": f.n, "instructions": f.instructions, "cycles": f.cycles, "bytes": f.bytes
             });
             format!("  {object}")
         })
@@ -144,15 +170,17 @@ pub fn rows(figures: &[Figure]) -> String {
     std::iter::once(head.to_owned()).chain(figures.iter().map(row)).collect()
 }
 
-/// The same for people.
+/// The same for people, with cycles without wait states of the flash and with those of the drive's chip.
 pub fn table(figures: &[Figure]) -> String {
     let cell = |value: Option<u64>| value.map_or_else(|| "–".to_owned(), |v| v.to_string());
     let width = figures.iter().map(|f| f.name.chars().count()).max();
     let width = width.unwrap_or(0).max("kernel".len());
-    let mut text = format!("{:width$}  {:>4}  {:>12}  {:>8}\n", "kernel", "n", "instructions", "bytes");
+    let waiting = cycles::WAIT_STATES.map(|wait_states| format!("cycles, {wait_states} ws"));
+    let head = ["instructions", &waiting[0], &waiting[1], "bytes"].map(|title| format!("  {title:>12}")).concat();
+    let mut text = format!("{:width$}  {:>4}{head}\n", "kernel", "n");
     for f in figures {
-        let (n, instructions, bytes) = (cell(f.n), cell(f.instructions), cell(f.bytes));
-        let _string_grows = writeln!(text, "{:width$}  {n:>4}  {instructions:>12}  {bytes:>8}", f.name);
+        let counts = [f.instructions, f.cycles[0], f.cycles[1], f.bytes].map(|v| format!("  {:>12}", cell(v))).concat();
+        let _string_grows = writeln!(text, "{:width$}  {:>4}{counts}", f.name, cell(f.n));
     }
     text
 }
@@ -166,8 +194,10 @@ mod tests {
         let line = r#"{"name":"dot product","n":8,"instructions":29,"bytes":null}"#;
         let read = figure(line)?;
         assert_eq!((read.n, read.instructions, read.bytes), (Some(8), Some(29), None));
-        let list: Value = serde_json::from_str(&json(&[read]))?;
-        assert_eq!(list, json!([serde_json::from_str::<Value>(line)?]));
+        let list: Value = serde_json::from_str(&json(&[Figure { cycles: [Some(40), None], ..read }]))?;
+        let expected =
+            json!({ "name": "dot product", "n": 8, "instructions": 29, "cycles": [40, null], "bytes": null });
+        assert_eq!(list, json!([expected]));
         Ok(())
     }
 
@@ -177,7 +207,7 @@ mod tests {
             name: name.to_owned(),
             n: Some(n),
             instructions: Some(instructions),
-            bytes: None,
+            ..Figure::default()
         };
         let kernels = [figure("collect", 4, 900), figure("collect", 8, 100)];
         for (counted, expected) in [(90, 100), (110, 110)] {

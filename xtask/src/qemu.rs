@@ -31,6 +31,43 @@ pub fn run(elf: &Path, machine: &str, echo: Echo) -> Result<Vec<String>> {
 
 /// The same in a folder, whose files the firmware reads by semihosting.
 pub fn run_in(folder: &Path, elf: &Path, machine: &str, echo: Echo) -> Result<Vec<String>> {
+    let mut emulator = emulator(folder, elf, machine)?;
+    within(&mut emulator, PATIENCE, echo, log::decoder(elf)?).with_context(|| title(elf, machine))
+}
+
+/// The same, and hands over the lines of the log of the emulator: the instructions of every translated block, and every
+/// block that is executed.
+pub fn trace(
+    folder: &Path,
+    elf: &Path,
+    machine: &str,
+    mut line: impl FnMut(&str) -> Result<()> + Send,
+) -> Result<Vec<String>> {
+    let mut command = emulator(folder, elf, machine)?;
+    command.args(["-d", "in_asm,exec,nochain"]).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut started = child::start(&mut command)?;
+    let log = started.0.stderr.take().context("the emulator has no log")?;
+    let (printing, receiver) = read(started.0.stdout.take().context("the emulator has no output")?, Echo::Off);
+    let (status, outcome) = thread::scope(|scope| {
+        let reader = scope.spawn(move || {
+            let mut outcome = Ok(());
+            child::split(log, |text| {
+                if outcome.is_ok() {
+                    outcome = line(text);
+                }
+            })?;
+            outcome
+        });
+        (wait(&mut started.0, PATIENCE), reader.join())
+    });
+    outcome.ok().context("the reader panicked")?.with_context(|| title(elf, machine))?;
+    let status = status.with_context(|| title(elf, machine))?;
+    ensure!(status.success(), "{} failed ({status}) in a trace", title(elf, machine));
+    printing.join().ok().context("the reader panicked")??;
+    Ok(receiver.try_iter().collect())
+}
+
+fn emulator(folder: &Path, elf: &Path, machine: &str) -> Result<Command> {
     let mut emulator = Command::new(PROGRAM);
     emulator
         .current_dir(folder)
@@ -40,8 +77,11 @@ pub fn run_in(folder: &Path, elf: &Path, machine: &str, echo: Echo) -> Result<Ve
         .args(["-icount", "shift=8"])
         .arg("-kernel")
         .arg(std::path::absolute(elf)?);
-    let what = elf.file_stem().unwrap_or_default().to_string_lossy();
-    within(&mut emulator, PATIENCE, echo, log::decoder(elf)?).with_context(|| format!("{what} on {machine}"))
+    Ok(emulator)
+}
+
+fn title(elf: &Path, machine: &str) -> String {
+    format!("{} on {machine}", elf.file_stem().unwrap_or_default().to_string_lossy())
 }
 
 /// Runs an ELF file by a command that takes it as its last argument, as cargo calls a runner.

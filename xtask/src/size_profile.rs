@@ -98,7 +98,7 @@ mod tests {
 
     fn figures(instructions: u64) -> Vec<Figure> {
         let figure =
-            |name: &str| Figure { name: name.to_owned(), n: None, instructions: Some(instructions), bytes: None };
+            |name: &str| Figure { name: name.to_owned(), instructions: Some(instructions), ..Figure::default() };
         EVERY_SAMPLE.map(figure).to_vec()
     }
 

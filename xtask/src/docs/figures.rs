@@ -209,7 +209,7 @@ mod tests {
             name: "a".to_owned(),
             n: Some(n),
             instructions: Some(instructions),
-            bytes: None,
+            ..Figure::default()
         };
         let figures = [one(5, 10), one(8, 20)];
         let count: Value = |figure| figure.instructions;
