@@ -13,7 +13,7 @@ use crate::toolchain::{self, Way};
 use crate::{cycles, elf, firmware, qemu, workspace};
 
 /// How the names of figures of any data end.
-const ANY_DATA: &str = ", any data";
+pub const ANY_DATA: &str = ", any data";
 
 /// What programs add to the flash of the smallest one: a name, its size, and the example.
 const FOOTPRINTS: [(&str, Option<u64>, &str); 7] = [

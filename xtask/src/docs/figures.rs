@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 
 use super::block::Block;
 use super::compare::Tolerance;
-use crate::measure::Figure;
+use crate::measure::{ANY_DATA, Figure};
 
 /// The same source gives the same counts with one compiler; other compilers differ by a few percent.
 pub const TOLERANCE: Tolerance = Tolerance::Within(0.05);
@@ -117,7 +117,7 @@ const CALLS: [(&str, &str, Value); 15] = [
 ];
 
 /// The columns: a heading, and how the names of the figures start.
-const DETECTORS: [(&str, &str); 4] = [
+pub const DETECTORS: [(&str, &str); 4] = [
     ("least squares, 8 parameters", "LS detector"),
     ("instrumental variables, 8 parameters", "SRIV detector"),
     ("least squares, 8 parameters, and shaft, 4 orders of 3 harmonics", "LS and shaft, 4 orders of 3 harmonics"),
@@ -143,9 +143,12 @@ const PROGRAMS: [(&str, &str, &str); 3] = [
 
 /// The tables.
 pub fn block(figures: &[Figure]) -> Result<Block> {
-    let mut lines = head(["kernel", "instructions", "bytes of state"].into_iter()).to_vec();
+    let titles = ["kernel", "instructions", "cycles", "cycles, 5 wait states", "bytes of state"];
+    let mut lines = head(titles.into_iter()).to_vec();
     for (title, counts, bytes) in KERNELS {
-        let cells = [cell(figures, counts, |f| f.instructions)?, cell(figures, bytes, |f| f.bytes)?];
+        let values: [Value; 3] = [|f| f.instructions, |f| f.cycles[0], |f| f.cycles[1]];
+        let counts = values.into_iter().map(|value| cell(figures, counts, value));
+        let cells = counts.chain([cell(figures, bytes, |f| f.bytes)]).collect::<Result<Vec<_>>>()?;
         lines.push(row(title, cells));
     }
     lines.push(String::new());
@@ -170,7 +173,7 @@ pub fn block(figures: &[Figure]) -> Result<Block> {
     Ok(Block { file: DOCUMENT, name: NAME.to_owned(), lines })
 }
 
-fn find<'f>(figures: &'f [Figure], name: &str, n: Option<u64>) -> Result<&'f Figure> {
+pub fn find<'f>(figures: &'f [Figure], name: &str, n: Option<u64>) -> Result<&'f Figure> {
     let found = figures.iter().find(|figure| figure.name == name && (n.is_none() || figure.n == n));
     found.with_context(|| format!("not measured: {name}{}", n.map_or_else(String::new, |n| format!(", n = {n}"))))
 }
@@ -179,24 +182,29 @@ fn shown(value: Option<u64>, name: &str) -> Result<String> {
     value.map(|value| value.to_string()).with_context(|| format!("no value of {name}"))
 }
 
-/// The numbers of one cell, separated by slashes.
+/// The numbers of one cell, separated by slashes. Cycles of any data are not estimated.
 fn cell(figures: &[Figure], (names, sizes): Picks, value: Value) -> Result<String> {
     let mut numbers = Vec::new();
     for name in names {
         for n in sizes {
-            numbers.push(shown(value(find(figures, name, *n)?), name)?);
+            let figure = find(figures, name, *n)?;
+            let is_missing = value(figure).is_none() && figure.name.ends_with(ANY_DATA);
+            numbers.push(if is_missing { "–".to_owned() } else { shown(value(figure), name)? });
         }
     }
     Ok(numbers.join(" / "))
 }
 
-fn head<'t>(titles: impl Iterator<Item = &'t str>) -> [String; 2] {
+pub fn head<'t>(titles: impl Iterator<Item = &'t str>) -> [String; 2] {
     let titles: Vec<&str> = titles.collect();
     [format!("| {} |", titles.join(" | ")), format!("|{}", "---|".repeat(titles.len()))]
 }
 
-fn row(title: &str, cells: impl IntoIterator<Item = String>) -> String {
-    cells.into_iter().fold(format!("| {title} |"), |line, cell| line + " " + &cell + " |").replace("|  |", "| |")
+pub fn row(title: &str, cells: impl IntoIterator<Item = String>) -> String {
+    cells.into_iter().fold(format!("| {title} |"), |line, cell| {
+        let space = if cell.is_empty() { "" } else { " " };
+        line + space + &cell + " |"
+    })
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ mod figures;
 mod picture;
 mod results;
 mod sources;
+mod timing;
 
 use std::fs;
 
@@ -41,10 +42,10 @@ pub fn run(names: &[String], check: bool, way: Option<Way>) -> Result<bool> {
     Ok(agree)
 }
 
-/// Checks the tables of the book's chapter on cost against measured figures.
+/// Checks the tables of cost against measured figures.
 pub fn check_figures(figures: &[Figure]) -> Result<&'static str, String> {
-    let block = figures::block(figures).map_err(|error| format!("{error:#}"))?;
-    agrees(&block, figures::TOLERANCE).map(|()| "")
+    let blocks = sources::of_figures(figures).map_err(|error| format!("{error:#}"))?;
+    blocks.iter().try_for_each(|block| agrees(block, figures::TOLERANCE)).map(|()| "")
 }
 
 /// The sources to run. A table that quotes documents follows every change of these documents.

@@ -199,13 +199,21 @@ fn recorded(document: &str) -> Result<Vec<[String; 2]>> {
 fn cost(document: &str) -> Result<Vec<[String; 2]>> {
     let cell = |name: &str| -> Result<String> { number(&table(document, name)?, 3) };
     let bytes = |name: &str| -> Result<u64> { Ok(cell(name)?.parse()?) };
+    // Without and with wait states.
+    let waiting = |name: &str| -> Result<String> {
+        let row = table(document, name)?;
+        let cell = row.get(3).and_then(|cell| cell.split('/').nth(1));
+        Ok(cell.with_context(|| format!("no cycles in `{name}`"))?.trim().to_owned())
+    };
     let ram = bytes("bytes of a `Detector`")? + bytes("bytes of a `Monitor`")?;
     Ok(vec![[
         "cost on a Cortex-M4F with 8 parameters, friction, and four orders of three harmonics".to_owned(),
         format!(
-            "{} instructions a sample (longest {}); {ram} bytes of state, {} of flash",
+            "{} instructions a sample (longest {}), about {} cycles ({}); {ram} bytes of state, {} of flash",
             cell("`collect`, mean sample")?,
             cell("`collect`, longest sample")?,
+            waiting("cycles of `collect`, mean sample")?,
+            waiting("cycles of `collect`, longest sample")?,
             cell("flash that the whole detector adds to an empty program")?,
         ),
     ]])

@@ -4,7 +4,8 @@ use anyhow::{Result, ensure};
 
 use super::block::{self, Block};
 use super::compare::Tolerance;
-use super::{book, campaign, figures, picture, read, results};
+use super::{book, campaign, figures, picture, read, results, timing};
+use crate::measure::Figure;
 use crate::toolchain::{self, Way};
 use crate::{child, coverage, field_peers, long, measure, peers, rivals, setup, workspace};
 
@@ -123,7 +124,13 @@ fn target(way: Option<Way>) -> Result<Vec<Block>> {
     let way = ready(way)?;
     let mut all = measure::kernels(way)?;
     all.extend(measure::any_data(way, &all)?);
-    Ok(vec![figures::block(&all)?])
+    of_figures(&all)
+}
+
+/// The tables of cost on the target.
+pub fn of_figures(figures: &[Figure]) -> Result<Vec<Block>> {
+    let [calls, interrupt] = timing::blocks(figures)?;
+    Ok(vec![figures::block(figures)?, calls, interrupt])
 }
 
 fn peers_on_target(way: Option<Way>) -> Result<Vec<Block>> {
