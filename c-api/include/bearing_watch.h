@@ -113,7 +113,7 @@
 // with a `BW_CODE_CALIBRATION_…` `bw_calibration_finish` names the refused sensor.
 enum BwCode
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // Done.
@@ -219,14 +219,14 @@ enum BwCode
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwCode BwCode;
 #else
-typedef int32_t BwCode;
+typedef int BwCode;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // The state of the bearing in one segment.
 enum BwVerdict
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // A trained class: see `class_index`.
@@ -242,14 +242,14 @@ enum BwVerdict
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwVerdict BwVerdict;
 #else
-typedef int32_t BwVerdict;
+typedef int BwVerdict;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // Why a segment has no verdict.
 enum BwReason
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // It has one.
@@ -293,14 +293,14 @@ enum BwReason
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwReason BwReason;
 #else
-typedef int32_t BwReason;
+typedef int BwReason;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // A part of the detector.
 enum BwPart
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // No part, or the reason is not about one.
@@ -318,14 +318,14 @@ enum BwPart
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwPart BwPart;
 #else
-typedef int32_t BwPart;
+typedef int BwPart;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // Why the three currents do not fit each other.
 enum BwImbalance
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // They do, or there are two only.
@@ -343,14 +343,14 @@ enum BwImbalance
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwImbalance BwImbalance;
 #else
-typedef int32_t BwImbalance;
+typedef int BwImbalance;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // How far the loop has found the angle of the shaft.
 enum BwLock
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // No reading yet, or lost.
@@ -366,14 +366,14 @@ enum BwLock
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwLock BwLock;
 #else
-typedef int32_t BwLock;
+typedef int BwLock;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // What is wrong with the wiring, or why nothing can be said. The value is that of `BwWiring`.
 enum BwWiringFault
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // Nothing is wrong.
@@ -408,14 +408,14 @@ enum BwWiringFault
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwWiringFault BwWiringFault;
 #else
-typedef int32_t BwWiringFault;
+typedef int BwWiringFault;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // Sign convention of the Park transform.
 enum BwPark
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // The current is not from a Park transform, or the model does not say.
@@ -429,14 +429,14 @@ enum BwPark
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwPark BwPark;
 #else
-typedef int32_t BwPark;
+typedef int BwPark;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // Lists of numbers behind a verdict.
 enum BwValues
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // Log-likelihood of each class.
@@ -475,14 +475,14 @@ enum BwValues
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwValues BwValues;
 #else
-typedef int32_t BwValues;
+typedef int BwValues;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
 // What a raw sample has of the position sensor.
 enum BwPosition
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
+  : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   // No reading, or one that the sensor says is wrong.
@@ -496,7 +496,7 @@ enum BwPosition
 #if __STDC_VERSION__ >= 202311L
 typedef enum BwPosition BwPosition;
 #else
-typedef int32_t BwPosition;
+typedef int BwPosition;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -1380,6 +1380,18 @@ BwCode bw_check_interval(const struct BwState *state, float interval_s);
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
 BwCode bw_check_park(const struct BwState *state, int32_t park);
+
+// Returns the word for a verdict of `BwVerdict`, such as "novel"; for a class `bw_label` gives its name. "unknown" for
+// other numbers. Never NULL, ends in a zero byte.
+const char *bw_verdict_name(int32_t verdict);
+
+// Returns a text for a reason of `BwReason`; `place`, `part` and `reason_rows` of the report say which one and how
+// many. "unknown" for other numbers. Never NULL, ends in a zero byte.
+const char *bw_reason_name(int32_t reason);
+
+// Returns the name of a code in this header, such as "BW_CODE_OK"; `bw_error_text` gives its text. "unknown" for other
+// numbers. Never NULL, ends in a zero byte.
+const char *bw_code_name(int32_t code);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -44,6 +44,7 @@ mod calibration;
 mod code;
 mod front_end;
 mod memory;
+mod names;
 mod plan;
 mod recorder;
 mod report;
@@ -73,6 +74,7 @@ pub use front_end::{
     BW_FRONT_END_SIZE, BwFrontEnd, bw_front_end_check_wiring, bw_front_end_init, bw_front_end_push, bw_front_end_size,
 };
 pub use memory::BW_STATE_ALIGN;
+pub use names::{bw_code_name, bw_reason_name, bw_verdict_name};
 pub use plan::{
     AnyModel, BW_MAX_AVERAGED, BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COLUMNS, BW_MAX_COORDINATES, BW_MAX_COVARIATES,
     BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_FURTHER, BW_MAX_ORDERS, BW_MAX_PARAMETERS,

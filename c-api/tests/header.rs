@@ -18,7 +18,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 16] = [
+const SOURCES: [&str; 17] = [
     "code",
     "plan",
     "signature",
@@ -35,6 +35,7 @@ const SOURCES: [&str; 16] = [
     "recorder",
     "telemetry",
     "about",
+    "names",
 ];
 
 const HEAD: &str = "\
@@ -67,7 +68,11 @@ fn header(root: &Path) -> String {
     }
     let mut bytes = Vec::new();
     builder.generate().expect("the source parses").write(&mut bytes);
-    String::from_utf8(bytes).expect("text")
+    // `int` has 32 bits too, but `%d` prints it everywhere: newlib's `int32_t` is `long`.
+    String::from_utf8(bytes)
+        .expect("text")
+        .replace(": int32_t", ": int")
+        .replace("typedef int32_t Bw", "typedef int Bw")
 }
 
 #[test]

@@ -44,6 +44,9 @@ impl Memory {
 pub const DRIVE: Board =
     Board { core: "Cortex-M4F", machine: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: Memory::Top };
 
+/// What a C compiler needs to know of [`DRIVE`].
+pub const DRIVE_FLAGS: [&str; 4] = ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"];
+
 /// Other processors that must compute the same bits.
 pub const OTHERS: [Board; 2] = [
     Board { core: "Cortex-M7", machine: "mps2-an500", target: "thumbv7em-none-eabihf", memory: Memory::Linker("mps2") },

@@ -5,19 +5,17 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::board::DRIVE;
+use crate::board::{DRIVE, DRIVE_FLAGS};
 use crate::stages::Stages;
 use crate::tally::Tally;
 use crate::toolchain::Way;
-use crate::{child, elf, firmware, pil, qemu, target, workspace};
+use crate::{c_symbols, child, elf, firmware, pil, qemu, target, workspace};
 
 /// What Rust prints of numbers that the C interface does not give: the variance of the residual and the covariance, and
 /// the hash of all numbers.
 const LEFT_OUT: [&str; 2] = ["variance ", "all numbers "];
 
 const COMPILER: &str = "arm-none-eabi-gcc";
-/// The chip of [`DRIVE`].
-const CHIP: [&str; 4] = ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"];
 const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 /// Of newlib: its small variant, and output by semihosting.
 const LIBRARIES: [&str; 3] = ["--specs=nano.specs", "--specs=rdimon.specs", "-nostartfiles"];
@@ -191,13 +189,15 @@ pub fn checks(tally: &mut Tally, way: Way) {
         let title = format!("{} as {} with the library for {}", example.name(), language.name(), plan.name());
         tally.check(&title, target::brief(check(way, plan, example, language)));
     }
+    let outcome = of_example(way).and_then(|library| c_symbols::orders(&library));
+    tally.check("a program has the same functions of newlib with the library, in any order", target::brief(outcome));
 }
 
-/// The library replaces no function of a C library, and the example links with it, holds no call of the panic machinery,
+/// The library exports its interface only, and the example links with it, holds no call of the panic machinery,
 /// and prints the lines of Rust. Returns their number and the bytes of the program.
 fn check(way: Way, plan: Plan, example: Example, language: Language) -> Result<String> {
     let library = firmware::build_c_library(way, DRIVE, &plan.file(), example.features())?;
-    symbols(&library)?;
+    c_symbols::check(&library)?;
     let program = build(example.name(), example.model(), language, &library)?;
     let panics = elf::symbols_with(&program, "core9panicking")?;
     // The crate that verifies indexes arrays, which the compiler cannot prove.
@@ -215,21 +215,6 @@ pub fn of_example(way: Way) -> Result<PathBuf> {
 /// Where objects and programs are put.
 fn folder() -> PathBuf {
     workspace::target_dir().join("c")
-}
-
-/// All strong symbols are the interface's, or have a name that no C source can have or would choose.
-fn symbols(library: &Path) -> Result<()> {
-    let names = elf::strong_symbols(library)?;
-    let (own, others): (Vec<_>, Vec<_>) = names.into_iter().partition(|name| name.starts_with("bw_"));
-    let foreign: Vec<_> = others.into_iter().filter(|name| !is_mangled(name)).collect();
-    ensure!(own.iter().any(|name| name == "bw_init"), "no bw_init among {own:?}");
-    ensure!(foreign.is_empty(), "it defines {}", foreign.join(", "));
-    Ok(())
-}
-
-/// Whether it is a name that the Rust compiler made.
-fn is_mangled(name: &str) -> bool {
-    ["_ZN", "_R", "anon."].iter().any(|start| name.starts_with(start)) || name.contains(".llvm.")
 }
 
 /// Compares the lines of a program with those of its twin; returns their number.
@@ -260,7 +245,7 @@ fn build(name: &str, model: Model, language: Language, library: &Path) -> Result
     for (source, flags) in sources {
         let object = folder.join(&source).with_extension("o");
         let mut compiler = Command::new(COMPILER);
-        compiler.args(CHIP).args(WARNINGS).args(["-O2", "-ffunction-sections", "-fdata-sections"]);
+        compiler.args(DRIVE_FLAGS).args(WARNINGS).args(["-O2", "-ffunction-sections", "-fdata-sections"]);
         for include in &includes {
             compiler.arg("-I").arg(include);
         }
@@ -269,19 +254,12 @@ fn build(name: &str, model: Model, language: Language, library: &Path) -> Result
     }
     let program = folder.join(name);
     let mut linker = Command::new(COMPILER);
-    linker.args(CHIP).args(LIBRARIES).args(["-Wl,--gc-sections", "-Wl,-z,noexecstack", "-Wl,--no-warn-rwx-segments"]);
+    linker.args(DRIVE_FLAGS).args(LIBRARIES).args([
+        "-Wl,--gc-sections",
+        "-Wl,-z,noexecstack",
+        "-Wl,--no-warn-rwx-segments",
+    ]);
     linker.arg("-T").arg(examples.join("stm32f405.ld")).args(objects).arg(library).arg("-o").arg(&program);
     child::succeed(&mut linker)?;
     Ok(program)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_names_of_the_compiler_are_mangled() {
-        assert!(is_mangled("_RNvCs_4core") && is_mangled("_ZN4core9panicking5panicE") && is_mangled("anon.1.llvm.2"));
-        assert!(!is_mangled("sqrtf") && !is_mangled("memcpy") && !is_mangled("__aeabi_memcpy"));
-    }
 }

@@ -1,6 +1,6 @@
 //! What an ELF file takes of the chip: bytes of flash and of static RAM.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -58,18 +58,28 @@ pub fn symbols_with(path: &Path, piece: &str) -> Result<Vec<String>> {
     Ok(names.into_iter().filter(|name| name.contains(piece)).map(ToOwned::to_owned).collect())
 }
 
-/// Names of the symbols of a static library that replace those of another library: global, defined and not weak.
-pub fn strong_symbols(path: &Path) -> Result<BTreeSet<String>> {
+/// Names of the symbols of a static library that others may link with: global and defined.
+pub fn global_symbols(path: &Path) -> Result<BTreeSet<String>> {
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let archive = ArchiveFile::parse(&*bytes).with_context(|| format!("{} is no library", path.display()))?;
     let mut names = BTreeSet::new();
     for member in archive.members() {
         // What is no ELF file, such as a compiler's notes, defines no symbol for the linker.
         let Ok(file) = ElfFile32::<Endianness>::parse(member?.data(&*bytes)?) else { continue };
-        let strong = file.symbols().filter(|own| own.is_global() && own.is_definition() && !own.is_weak());
-        names.extend(strong.filter_map(|own| own.name().ok()).map(ToOwned::to_owned));
+        let global = file.symbols().filter(|symbol| symbol.is_global() && symbol.is_definition());
+        names.extend(global.filter_map(|symbol| symbol.name().ok()).map(ToOwned::to_owned));
     }
     Ok(names)
+}
+
+/// Sizes of those functions of a linked program that are global, in bytes.
+pub fn global_sizes(path: &Path, names: &[&str]) -> Result<BTreeMap<String, u64>> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file =
+        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let global = file.symbols().filter(|symbol| symbol.is_global() && symbol.is_definition());
+    let sizes = global.filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.size())));
+    Ok(sizes.filter(|(name, _)| names.contains(&name.as_str())).collect())
 }
 
 impl Sizes {

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::board::{Board, DRIVE, Memory};
 use crate::toolchain::Way;
-use crate::{child, setup, workspace};
+use crate::{c_symbols, child, setup, workspace};
 
 /// The setting of the linker, for all bare Arm targets: cargo overlooks it under a target's name with a dot.
 fn linker() -> String {
@@ -93,13 +93,13 @@ pub fn check_all_features(way: Way, board: Board) -> Result<()> {
     Ok(())
 }
 
-/// Builds the C interface as a static library, for an exported plan or, if that is empty, for any model; returns its
-/// file, which is the same for all plans and features.
+/// Builds the C interface as a static library that exports nothing else, for an exported plan or, if that is empty, for
+/// any model; returns its file, which is the same for all plans and features.
 pub fn build_c_library(way: Way, board: Board, plan: &str, features: &str) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, board);
     cargo.env("BEARING_WATCH_PLAN", plan);
     child::succeed(cargo.args(["--package", "bearing-watch-c", "--lib", "--features", features]))?;
-    existing(folder.join("libbearing_watch_c.a"))
+    c_symbols::export("arm-none-eabi-", &existing(folder.join("libbearing_watch_c.a"))?)
 }
 
 /// Builds a crate outside the workspace, in its folder and with its configuration, and returns its ELF file.

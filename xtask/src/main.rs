@@ -6,6 +6,7 @@ mod board;
 mod book;
 mod bounds;
 mod c_library;
+mod c_symbols;
 mod child;
 #[cfg(test)]
 mod circles;

@@ -7,9 +7,9 @@ use std::cell::RefCell;
 
 use bearing_watch_c::{
     BW_MAX_CHANNELS, BW_STATE_SIZE, BwAlarm, BwCode, BwInfo, BwReport, BwState, bw_adopt, bw_advance, bw_alarm,
-    bw_angle, bw_check_channel, bw_check_interval, bw_check_park, bw_collect, bw_conclude, bw_discard, bw_end_run,
-    bw_error_text, bw_info, bw_init, bw_label, bw_pending, bw_report, bw_reset, bw_restart, bw_restore, bw_save,
-    bw_saved_size, bw_state_size, bw_step, bw_values,
+    bw_angle, bw_check_channel, bw_check_interval, bw_check_park, bw_code_name, bw_collect, bw_conclude, bw_discard,
+    bw_end_run, bw_error_text, bw_info, bw_init, bw_label, bw_pending, bw_reason_name, bw_report, bw_reset, bw_restart,
+    bw_restore, bw_save, bw_saved_size, bw_state_size, bw_step, bw_values, bw_verdict_name,
 };
 
 use super::c_front_end::UNTOUCHED;
@@ -70,9 +70,11 @@ fn run(memory: &mut [u64], input: &mut Input<'_>) {
             21 => save(at, input),
             _ => texts(at, input),
         };
-        // SAFETY: the text of any code is a text that lives as long as the program.
-        let text = unsafe { CStr::from_ptr(bw_error_text(code as i32)) };
-        assert!(!text.is_empty());
+        for text in [bw_error_text, bw_code_name, bw_verdict_name, bw_reason_name] {
+            // SAFETY: the text of any number is a text that lives as long as the program.
+            let text = unsafe { CStr::from_ptr(text(code as i32)) };
+            assert!(!text.is_empty());
+        }
     }
 }
 

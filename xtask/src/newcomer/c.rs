@@ -17,7 +17,7 @@ const README: &str = "c-api/README.md";
 /// What the project takes of a checkout.
 const PARTS: [&str; 3] = ["c-api/include", "c-api/examples", "examples/support/standard_rig"];
 /// Where the document has the library in a checkout; the Debian way builds it elsewhere.
-const LIBRARY: &str = "target/thumbv7em-none-eabihf/release/libbearing_watch_c.a";
+const LIBRARY: &str = "target/thumbv7em-none-eabihf/release/libbearing_watch.a";
 
 /// A program that builds the project.
 pub struct Builder {

@@ -17,7 +17,7 @@ use crate::board::DRIVE;
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::toolchain::Way;
-use crate::{child, firmware, workspace};
+use crate::{c_symbols, child, firmware, workspace};
 
 const FILE: &str = "libbearing_watch_c.a";
 
@@ -62,6 +62,8 @@ fn make(way: Way) -> Result<PathBuf> {
     let cmake = |name: &str| format!("lib/cmake/bearing-watch/bearing-watch-{name}.cmake");
     parts.push((cmake("config"), cmake_config(&library).into()));
     parts.push((cmake("config-version"), cmake_version(VERSION).into()));
+    // Elsewhere the binary utilities are others.
+    let host = if cfg!(target_os = "linux") { c_symbols::export("", &host)? } else { host };
     parts.push((format!("lib/{}/{FILE}", targets.host), stripped("strip", &host)?));
     let chip = firmware::build_c_library(way, DRIVE, "", "")?;
     parts.push((format!("lib/{}/{FILE}", targets.chip), stripped("arm-none-eabi-strip", &chip)?));

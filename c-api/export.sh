@@ -1,0 +1,20 @@
+#!/bin/sh
+# Makes a static library whose only global symbols are the functions `bw_…`:
+#
+#     sh export.sh PREFIX LIBRARY OUT      PREFIX of the binary utilities: arm-none-eabi- for chips, '' for this machine
+#
+# The library that cargo makes also defines, as weak symbols, functions such as `sinf`, `memcpy` and `__aeabi_dmul`,
+# which Rust brings along. Where it comes before the C library on the linker's command line, as always with g++, they
+# would serve the whole program: several times slower, and without a message.
+set -eu
+prefix=$1 library=$2 out=$3
+object=${out%.a}.o
+# Sections are not merged: --gc-sections of the program's link still leaves out what is not called.
+roots=$("${prefix}nm" -g --defined-only "$library" 2>/dev/null | sed -n 's/^.* T \(bw_[a-z0-9_]*\)$/-u \1/p' | sort -u)
+# shellcheck disable=SC2086
+"${prefix}ld" -r --gc-sections $roots "$library" -o "$object"
+# Bitcode of the compiler's own library, which is not code of the program, cannot be joined.
+"${prefix}objcopy" --wildcard --keep-global-symbol='bw_*' --remove-section=.llvmbc --remove-section=.llvmcmd "$object"
+rm -f "$out"
+"${prefix}ar" rcsD "$out" "$object"
+rm "$object"

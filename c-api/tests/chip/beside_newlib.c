@@ -1,0 +1,46 @@
+/* A program that calls functions of the C library and of the compiler beside those of bearing-watch. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bearing_watch.h"
+#include "model.h"
+
+volatile float angle;
+volatile double gain;
+float results[64];
+const float *volatile inputs = results;
+
+static void of_libraries(void) {
+    memcpy(results + 8, inputs, sizeof results / 2);
+    results[0] = sinf(angle) + cosf(angle);
+    results[1] = (float)(gain * 3.0);
+}
+
+#ifdef ALONE
+static void of_bearing_watch(void) {}
+#else
+static uint64_t memory[BW_STATE_SIZE / sizeof(uint64_t)];
+
+static void of_bearing_watch(void) {
+    BwState *detector;
+    BwReport report;
+    bw_init(memory, sizeof memory, bw_model, BW_MODEL_LENGTH, &detector);
+    bw_collect(detector, results, BW_MODEL_CHANNELS, 0);
+    bw_conclude(detector);
+    bw_report(detector, &report);
+    results[2] = report.verdict;
+}
+#endif
+
+/* Codes are printed by %d, without a warning. */
+int print_code(char *text, size_t size, BwCode code) {
+    return snprintf(text, size, "%d %s: %s", code, bw_code_name(code), bw_error_text(code));
+}
+
+int main(void) {
+    for (;;) {
+        of_libraries();
+        of_bearing_watch();
+    }
+}
