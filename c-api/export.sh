@@ -9,10 +9,10 @@
 set -eu
 prefix=$1 library=$2 out=$3
 object=${out%.a}.o
-# Sections are not merged: --gc-sections of the program's link still leaves out what is not called.
+# Sections are not merged, also those of texts: --gc-sections of the program's link still leaves out what is not called.
 roots=$("${prefix}nm" -g --defined-only "$library" 2>/dev/null | sed -n 's/^.* T \(bw_[a-z0-9_]*\)$/-u \1/p' | sort -u)
 # shellcheck disable=SC2086
-"${prefix}ld" -r --gc-sections $roots "$library" -o "$object"
+"${prefix}ld" -r --gc-sections --unique='.rodata.str*' $roots "$library" -o "$object"
 # Bitcode of the compiler's own library, which is not code of the program, cannot be joined.
 "${prefix}objcopy" --wildcard --keep-global-symbol='bw_*' --remove-section=.llvmbc --remove-section=.llvmcmd "$object"
 rm -f "$out"

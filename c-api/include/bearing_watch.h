@@ -1389,7 +1389,7 @@ const char *bw_verdict_name(int32_t verdict);
 // many. "unknown" for other numbers. Never NULL, ends in a zero byte.
 const char *bw_reason_name(int32_t reason);
 
-// Returns the name of a code in this header, such as "BW_CODE_OK"; `bw_error_text` gives its text. "unknown" for other
+// Returns the name of a code in this header, such as `BW_CODE_OK`; `bw_error_text` gives its text. "unknown" for other
 // numbers. Never NULL, ends in a zero byte.
 const char *bw_code_name(int32_t code);
 
