@@ -58,8 +58,8 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What the examples `measure`, `measure_interrupt`, `memory`, `stack` and `measure_signature` print, and what [`FOOTPRINTS`] add to the
-/// smallest program.
+/// What the examples `measure`, `measure_interrupt`, `memory`, `stack` and `measure_signature` print, and what
+/// [`FOOTPRINTS`] add to the smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = timed(&firmware::build(way, DRIVE, "measure")?)?;
     figures.extend(timed(&firmware::build(way, DRIVE, "measure_interrupt")?)?);
