@@ -27,6 +27,8 @@ mod raw;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "../../examples/support/refined.rs"]
 mod refined;
+#[path = "support/rotor_calls.rs"]
+mod rotor_calls;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]
 mod shaft;
@@ -61,6 +63,7 @@ fn run() {
     converter::run(|error| show(error));
     storage_calls::run(|error| show(error));
     signature_calls::run(|error| show(error));
+    rotor_calls::run();
     plans();
     constants();
     detector(&model::MODEL, |[current_a, velocity_ref_rad_s, load_torque_nm, ..]| model::Sample {

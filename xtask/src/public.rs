@@ -22,11 +22,12 @@ const EXPORTING: [&str; 10] = [
     "telemetry/mod.rs",
 ];
 /// The files of the example.
-const CALLING: [&str; 7] = [
+const CALLING: [&str; 8] = [
     "panic_free.rs",
     "support/converter.rs",
     "support/drive_calls.rs",
     "support/monitor_calls.rs",
+    "support/rotor_calls.rs",
     "support/signature_calls.rs",
     "support/storage_calls.rs",
     "support/telemetry_calls.rs",

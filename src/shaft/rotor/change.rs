@@ -1,0 +1,243 @@
+//! What has changed between two sets of lines: nothing, the unbalance, or the angle of the rotor.
+//!
+//! ```text
+//! χ²(δ) = Σ |C′_k − C_k e^(−jkδ)|²/v_k,   v_k = σ_k² + σ′_k² + (t|C_k|)²                              (1)
+//! ```
+//!
+//! The measured angle is δ more than before if a resolver or its magnet has slipped. (1) is least for the slip that
+//! explains the lines best: steps of 1/1024 turn, each peak by Newton's method. If the lines are of
+//! orders with a common factor, several slips explain them, and the smallest of those is returned. Each of three
+//! explanations is accepted if its χ² is below the quantile of its degrees of freedom (Wilson and Hilferty, 1931):
+//!
+//! ```text
+//! nothing      χ²(0), 2L degrees of freedom
+//! slip         χ²(δ), 2L − 1
+//! unbalance    χ²(0) without order 1, 2L − 2, and order 1 has grown
+//! ```
+//!
+//! t is how much a line differs between motions for other reasons: delays, torque that depends on the temperature.
+
+use core::f32::consts::TAU;
+
+use super::line::RotorLine;
+use crate::regression::factor::kernels::pairs;
+use crate::signal::Angle;
+
+/// Steps of δ in a turn: an order of 128 turns by an eighth of its period in one.
+const STEPS: u16 = 1024;
+/// Lines that are compared at most.
+const LINES: usize = 16;
+/// Steps of Newton's method.
+const NEWTON: u8 = 4;
+/// Half of the difference of χ² within which the smaller of two slips is taken.
+const ALIKE: f32 = 2.0;
+
+/// When a change is named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RotorLimits {
+    /// Quantile of the normal distribution at the rate of false names: 3.09 for one in a thousand.
+    pub quantile: f32,
+    /// t of (1).
+    pub tolerance: f32,
+}
+
+impl RotorLimits {
+    /// One false name in a thousand comparisons, and lines that repeat to a twentieth.
+    pub const USUAL: Self = Self { quantile: 3.09, tolerance: 0.05 };
+}
+
+/// What has changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum RotorChange {
+    /// The lines are those of before.
+    Unchanged,
+    /// Order 1 has grown: unbalance.
+    Unbalance {
+        /// Amplitude of order 1 before.
+        before_a: f32,
+        /// Its amplitude now.
+        now_a: f32,
+    },
+    /// All lines have turned by one angle: magnet or resolver has slipped on the shaft.
+    Slipped {
+        /// δ of (1), from −π to π.
+        angle_rad: f32,
+        /// Standard deviation of it.
+        deviation_rad: f32,
+    },
+    /// Lines have changed in another way.
+    Other {
+        /// The order that has changed most.
+        order: u16,
+    },
+}
+
+/// A line of before and now, as a term of (1).
+#[derive(Clone, Copy, Debug)]
+struct Term {
+    order: u16,
+    /// `C′_k conj(C_k)/v_k`.
+    product: [f32; 2],
+    /// `|C′_k − C_k|²/v_k`.
+    distance: f32,
+    /// `(|C′_k|² + |C_k|²)/v_k`.
+    power: f32,
+}
+
+impl Term {
+    const NONE: Self = Self { order: 0, product: [0.0; 2], distance: 0.0, power: 0.0 };
+
+    fn of(before: &RotorLine, now: &RotorLine, tolerance: f32) -> Self {
+        let square = |x: f32| x * x;
+        let noise = square(before.deviation_a) + square(now.deviation_a);
+        let variance = (noise + square(tolerance) * before.power()).max(f32::MIN_POSITIVE);
+        // C = a − jb.
+        let real = now.cosine_a * before.cosine_a + now.sine_a * before.sine_a;
+        let imaginary = now.cosine_a * before.sine_a - now.sine_a * before.cosine_a;
+        let distance = square(now.cosine_a - before.cosine_a) + square(now.sine_a - before.sine_a);
+        Self {
+            order: before.order,
+            product: [real / variance, imaginary / variance],
+            distance: distance / variance,
+            power: (now.power() + before.power()) / variance,
+        }
+    }
+
+    /// `e^(jkδ)`.
+    fn phasor(&self, slip: Angle) -> [f32; 2] {
+        let phase = slip.times(u32::from(self.order)).sin_cos();
+        [phase.cos, phase.sin]
+    }
+}
+
+/// The product of two complex numbers.
+fn times([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
+    [a * c - b * d, a * d + b * c]
+}
+
+/// The terms of all lines, and their number; the others are zero.
+struct Terms {
+    list: [Term; LINES],
+    lines: f32,
+}
+
+impl Terms {
+    fn of(before: &[RotorLine], now: &[RotorLine], tolerance: f32) -> Self {
+        let mut terms = Self { list: [Term::NONE; LINES], lines: 0.0 };
+        let both = pairs(before, now).filter(|(before, now)| before.order == now.order);
+        for (term, (before, now)) in pairs(&mut terms.list, both) {
+            *term = Term::of(before, now, tolerance);
+            terms.lines += 1.0;
+        }
+        terms
+    }
+
+    fn sum(&self, of: impl Fn(&Term) -> f32) -> f32 {
+        self.list.iter().fold(0.0, |sum, term| sum + of(term))
+    }
+
+    /// The order of the greatest distance.
+    fn changed_most(&self) -> u16 {
+        let most =
+            self.list.iter().fold(&Term::NONE, |most, term| if term.distance > most.distance { term } else { most });
+        most.order
+    }
+
+    /// The slip of the greatest likeness; of those that are alike, the smallest.
+    fn searched(&self) -> Slip {
+        let mut best = self.refined(Angle::ZERO);
+        let one = Angle::from_counts(1, 10);
+        let steps = self.list.map(|term| term.phasor(one));
+        let mut turned = self.list.map(|term| term.product);
+        let [mut older, mut old] = [f32::INFINITY; 2];
+        let mut step = 0_u16;
+        // Two steps more than a turn, so that a peak at its end is between two others.
+        while step < STEPS.saturating_add(2) {
+            let likeness = turned.iter().fold(0.0, |sum, [real, _]| sum + real);
+            if old >= older && old >= likeness {
+                let peak = self.refined(Angle::from_counts(u32::from(step.wrapping_sub(1)), 10));
+                let is_smaller = peak.angle.radians().abs() < best.angle.radians().abs();
+                let more = if is_smaller { -ALIKE } else { ALIKE };
+                if peak.likeness > best.likeness + more {
+                    best = peak;
+                }
+            }
+            (older, old) = (old, likeness);
+            for (own, step) in pairs(&mut turned, &steps) {
+                *own = times(*own, *step);
+            }
+            step = step.saturating_add(1);
+        }
+        best
+    }
+
+    /// The peak next to an angle.
+    fn refined(&self, from: Angle) -> Slip {
+        let at = |angle: Angle| {
+            self.list.iter().fold([0.0; 3], |[likeness, slope, information], term| {
+                let ([real, imaginary], k) = (times(term.product, term.phasor(angle)), f32::from(term.order));
+                [likeness + real, slope - k * imaginary, information + k * k * real]
+            })
+        };
+        let mut angle = from;
+        let mut left = NEWTON;
+        while left > 0 {
+            let [_, slope, information] = at(angle);
+            // Off a peak the curvature has the other sign; a step is at most one of the search.
+            let step = if information > 0.0 { slope / information } else { 0.0 };
+            let most = TAU / f32::from(STEPS);
+            angle = angle.plus(Angle::from_radians(step.clamp(-most, most)));
+            left = left.wrapping_sub(1);
+        }
+        let [likeness, _, information] = at(angle);
+        Slip { angle, likeness, information }
+    }
+}
+
+/// A slip and the sum of the real parts of its terms; χ² is their power less twice of it.
+#[derive(Clone, Copy, Debug)]
+struct Slip {
+    angle: Angle,
+    likeness: f32,
+    /// −d²/dδ² of the likeness: one over the variance of δ.
+    information: f32,
+}
+
+impl RotorChange {
+    /// Compares up to 16 lines with those of before, in the same order; pairs of different orders are left out.
+    #[must_use]
+    pub fn between(before: &[RotorLine], now: &[RotorLine], limits: &RotorLimits) -> Self {
+        let terms = Terms::of(before, now, limits.tolerance);
+        let degrees = 2.0 * terms.lines;
+        let accepted = |distance: f32, fewer: f32| distance <= quantile(degrees - fewer, limits.quantile);
+        // False for NaN: such lines have changed.
+        if accepted(terms.sum(|term| term.distance), 0.0) {
+            return Self::Unchanged;
+        }
+        let grown = pairs(before, now).find(|(before, now)| before.order == 1 && now.power() > before.power());
+        let others = terms.sum(|term| if term.order == 1 { 0.0 } else { term.distance });
+        let slip = terms.searched();
+        let left = terms.sum(|term| term.power) - 2.0 * slip.likeness;
+        let is_slip = accepted(left, 1.0);
+        match grown {
+            Some((before, now)) if accepted(others, 2.0) && (!is_slip || others < left) => {
+                Self::Unbalance { before_a: before.amplitude_a(), now_a: now.amplitude_a() }
+            }
+            _ if is_slip => Self::Slipped {
+                angle_rad: slip.angle.radians(),
+                deviation_rad: 1.0 / libm::sqrtf(slip.information.max(f32::MIN_POSITIVE)),
+            },
+            _ => Self::Other { order: terms.changed_most() },
+        }
+    }
+}
+
+/// The quantile of χ² with these degrees of freedom, by that of the normal distribution.
+fn quantile(degrees: f32, normal: f32) -> f32 {
+    let spread = 2.0 / (9.0 * degrees.max(1.0));
+    let root = 1.0 - spread + normal * libm::sqrtf(spread);
+    degrees.max(0.0) * root * root * root
+}
