@@ -2,6 +2,7 @@
 
 mod actuator;
 mod campaign;
+mod cogging;
 mod consistency;
 mod dc_motor_recordings;
 mod dc_motor_rig;

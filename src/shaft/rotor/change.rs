@@ -118,31 +118,35 @@ fn times([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
     [a * c - b * d, a * d + b * c]
 }
 
-/// The terms of all lines, and their number; the others are zero.
+/// The terms of all lines, and their number.
 struct Terms {
     list: [Term; LINES],
-    lines: f32,
+    lines: u8,
 }
 
 impl Terms {
     fn of(before: &[RotorLine], now: &[RotorLine], tolerance: f32) -> Self {
-        let mut terms = Self { list: [Term::NONE; LINES], lines: 0.0 };
+        let mut terms = Self { list: [Term::NONE; LINES], lines: 0 };
         let both = pairs(before, now).filter(|(before, now)| before.order == now.order);
         for (term, (before, now)) in pairs(&mut terms.list, both) {
             *term = Term::of(before, now, tolerance);
-            terms.lines += 1.0;
+            terms.lines = terms.lines.saturating_add(1);
         }
         terms
     }
 
+    fn used(&self) -> &[Term] {
+        self.list.get(..usize::from(self.lines)).unwrap_or(&[])
+    }
+
     fn sum(&self, of: impl Fn(&Term) -> f32) -> f32 {
-        self.list.iter().fold(0.0, |sum, term| sum + of(term))
+        self.used().iter().fold(0.0, |sum, term| sum + of(term))
     }
 
     /// The order of the greatest distance.
     fn changed_most(&self) -> u16 {
         let most =
-            self.list.iter().fold(&Term::NONE, |most, term| if term.distance > most.distance { term } else { most });
+            self.used().iter().fold(&Term::NONE, |most, term| if term.distance > most.distance { term } else { most });
         most.order
     }
 
@@ -156,8 +160,8 @@ impl Terms {
         let mut step = 0_u16;
         // Two steps more than a turn, so that a peak at its end is between two others.
         while step < STEPS.saturating_add(2) {
-            let likeness = turned.iter().fold(0.0, |sum, [real, _]| sum + real);
-            if old >= older && old >= likeness {
+            let likeness = turned.iter().take(self.used().len()).fold(0.0, |sum, [real, _]| sum + real);
+            if old > older && old >= likeness {
                 let peak = self.refined(Angle::from_counts(u32::from(step.wrapping_sub(1)), 10));
                 let is_smaller = peak.angle.radians().abs() < best.angle.radians().abs();
                 let more = if is_smaller { -ALIKE } else { ALIKE };
@@ -166,7 +170,7 @@ impl Terms {
                 }
             }
             (older, old) = (old, likeness);
-            for (own, step) in pairs(&mut turned, &steps) {
+            for ((own, step), _) in pairs(pairs(&mut turned, &steps), self.used()) {
                 *own = times(*own, *step);
             }
             step = step.saturating_add(1);
@@ -177,7 +181,7 @@ impl Terms {
     /// The peak next to an angle.
     fn refined(&self, from: Angle) -> Slip {
         let at = |angle: Angle| {
-            self.list.iter().fold([0.0; 3], |[likeness, slope, information], term| {
+            self.used().iter().fold([0.0; 3], |[likeness, slope, information], term| {
                 let ([real, imaginary], k) = (times(term.product, term.phasor(angle)), f32::from(term.order));
                 [likeness + real, slope - k * imaginary, information + k * k * real]
             })
@@ -211,7 +215,7 @@ impl RotorChange {
     #[must_use]
     pub fn between(before: &[RotorLine], now: &[RotorLine], limits: &RotorLimits) -> Self {
         let terms = Terms::of(before, now, limits.tolerance);
-        let degrees = 2.0 * terms.lines;
+        let degrees = 2.0 * f32::from(terms.lines);
         let accepted = |distance: f32, fewer: f32| distance <= quantile(degrees - fewer, limits.quantile);
         // False for NaN: such lines have changed.
         if accepted(terms.sum(|term| term.distance), 0.0) {

@@ -33,7 +33,7 @@ pub fn measure(counter: &mut Counter, report: impl Fn(&str, usize, u32, usize)) 
     });
     report("map of the rotor, line of an order", 360, line, size_of::<RotorLine>());
     let lines = [1, 2, 6, 12].map(|order| RotorLine { order, cosine_a: 0.1, sine_a: 0.0, deviation_a: 0.01 });
-    let now = lines.map(|line| RotorLine { cosine_a: 0.0, ..line });
+    let now = lines.map(|line| RotorLine { cosine_a: 0.0, sine_a: 0.1, ..line });
     let change = counter.instructions_once(|| {
         black_box(RotorChange::between(black_box(&lines), black_box(&now), black_box(&RotorLimits::USUAL)));
     });

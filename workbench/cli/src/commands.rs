@@ -7,8 +7,8 @@ use clap::Subcommand;
 
 use super::options::{Job, Taken};
 use super::{
-    audit, campaign, confirm, convert, demo, evaluate, features, features_sum, grey_box, identify, init, listen,
-    pages_of_help, piecewise, replay, schema, signing, simulate, simulate_features, structure, tables, train,
+    audit, campaign, cogging, confirm, convert, demo, evaluate, features, features_sum, grey_box, identify, init,
+    listen, pages_of_help, piecewise, replay, schema, signing, simulate, simulate_features, structure, tables, train,
     train_features, validate, view,
 };
 use model::Error;
@@ -23,6 +23,7 @@ pub(super) enum Command {
     Identify(Box<identify::Args>),
     Structure(Box<structure::Args>),
     GreyBox(Box<grey_box::Args>),
+    Cogging(Box<cogging::Args>),
     Validate(Box<validate::Args>),
     Piecewise(Box<piecewise::Args>),
     Train(Box<train::Args>),
@@ -96,6 +97,7 @@ impl Command {
             Self::Identify(args) => &mut args.fit.taken,
             Self::Structure(args) => &mut args.taken,
             Self::GreyBox(args) => &mut **args,
+            Self::Cogging(args) => &mut args.taken,
             Self::Validate(args) => &mut args.fit.taken,
             Self::Piecewise(args) => &mut args.taken,
             Self::Train(args) => &mut args.taken,
@@ -136,6 +138,7 @@ impl Command {
             Self::Identify(args) => identify::run(args),
             Self::Structure(args) => structure::run(args),
             Self::GreyBox(args) => grey_box::run(args),
+            Self::Cogging(args) => cogging::run(args),
             Self::Validate(args) => validate::run(args),
             Self::Piecewise(args) => piecewise::run(args),
             Self::Train(args) => train::run(args),

@@ -79,6 +79,21 @@ pub(super) const GREY_BOX: Form = Form {
     optional: &[],
 };
 
+/// `cogging --json`.
+pub(super) const COGGING: Form = Form {
+    name: "cogging",
+    about: "What turns with the rotor; intervals are half of those of 95 %",
+    list: false,
+    keys: &[
+        ("torque_constant_nm_a", "number", "Torque constant"),
+        ("turns", "array", "Turns of the shaft forward and backward"),
+        ("residual_nm", "array", "Root mean square of the residual of the torque balance, with the lines and without"),
+        ("lines", "array", "Orders with amplitude and phase of the torque (N·m) and of the ripple of Kt (relative)"),
+        ("change", "object?", "What has changed since the recordings of --since"),
+    ],
+    optional: &[],
+};
+
 /// `audit --json`.
 pub(super) const AUDIT: Form = Form {
     name: "audit",

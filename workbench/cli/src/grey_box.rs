@@ -181,7 +181,7 @@ fn linear_record<'a>(trace: &'a Trace, shown: &Shown) -> Result<LinearRecord<'a>
 }
 
 /// Current, velocity and load, or their usual columns.
-fn balanced(channels: &Signals) -> [String; 3] {
+pub(super) fn balanced(channels: &Signals) -> [String; 3] {
     let Signals { current, velocity, load, .. } = channels;
     let usual = [(current, "current_a"), (velocity, "velocity_rad_s"), (load, "load_torque_nm")];
     usual.map(|(given, usual)| given.clone().unwrap_or_else(|| usual.into()))

@@ -94,6 +94,23 @@ jobs! {
              one, or \"none\" [default: load_torque_nm]",
         ),
     ];
+    /// `cogging`.
+    Cogging = Use {
+        name: "cogging",
+        keys: &[&["traces"], TIMES, &["current", "velocity", "velocity_ref", "angle", "load"]],
+        required: &["traces"],
+    }, help: &[
+        TRACES,
+        ("current", "Torque-producing current, A [default: current_a]"),
+        ("velocity", "Measured velocity, rad/s [default: velocity_rad_s]"),
+        ("velocity_ref", "Reference of the velocity, rad/s [default: velocity_ref_rad_s]"),
+        ("angle", "Absolute angle of the shaft, rad [default: angle_rad]"),
+        (
+            "load",
+            "Load torque opposing positive rotation, N·m: a channel, \"constant\" for an unknown constant one, or \"none\" \
+             [default: load_torque_nm]",
+        ),
+    ];
     /// `audit`.
     Audit = traces::audit::USE, help: &[
         ("labels", "Labels: the classes of the traces; without TRACES, their folder is read"),

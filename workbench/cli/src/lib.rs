@@ -5,7 +5,7 @@
 //!
 //! | crate | commands |
 //! |---|---|
-//! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box` |
+//! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box`, `cogging` |
 //! | `bearing-watch-model` | `train`, `evaluate` |
 //! | `bearing-watch-traces` | `init`, `audit`, `convert`, `resample`, and the files that the others read |
 //! | `bearing-watch-fleet` | `features`, `features-sum`, `train-features` |
@@ -15,6 +15,7 @@
 mod arguments;
 mod audit;
 mod campaign;
+mod cogging;
 mod commands;
 mod common;
 mod confirm;

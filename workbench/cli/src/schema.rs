@@ -41,6 +41,8 @@ enum Form {
     Validate,
     /// What `grey-box --json` prints
     GreyBox,
+    /// What `cogging --json` prints
+    Cogging,
     /// What `audit --json` prints
     Audit,
     /// What `features --json` prints
@@ -85,6 +87,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Form::Structure => further_forms::STRUCTURE.schema(),
         Form::Validate => further_forms::VALIDATE.schema(),
         Form::GreyBox => further_forms::GREY_BOX.schema(),
+        Form::Cogging => further_forms::COGGING.schema(),
         Form::Audit => further_forms::AUDIT.schema(),
         Form::Features => further_forms::FEATURES.schema(),
         Form::FeaturesSum => further_forms::FEATURES_SUM.schema(),

@@ -20,6 +20,7 @@
 //! | [`recursive`] | the same of signals that come in pieces, by the estimator of the firmware |
 //! | [`validate`] | whether it explains a trace: fit, residuals, poles, frequency response |
 //! | [`grey_box`] | physical constants of a drive, with standard deviations |
+//! | [`cogging`] | what turns with the rotor: cogging, ripple, unbalance |
 //! | [`piecewise`] | first-order models of the straight runs of one record |
 //! | [`train`] | labelled traces → projection, classes, gate and alarm |
 //! | [`evaluate`] | verdicts on other traces, counted by class and run |
@@ -30,6 +31,7 @@
 //! | [`error`] | errors: one line with place and remedy |
 
 pub mod audit;
+pub mod cogging;
 pub mod core;
 pub mod error;
 pub mod evaluate;

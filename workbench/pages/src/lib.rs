@@ -22,11 +22,13 @@
 //! | [`evaluation`], [`segments`] | verdicts on labelled traces, and on their segments |
 //! | [`audit`] | what recordings are worth |
 //! | [`structure`], [`validation`] | models of the signals |
+//! | [`cogging`] | what turns with the rotor |
 //! | [`replay`], [`live`] | traces and a drive that the detector judges one segment after another |
 //! | [`escape`] | text inside HTML |
 
 pub mod audit;
 mod chosen;
+pub mod cogging;
 pub mod conclusion;
 mod departing;
 pub mod escape;

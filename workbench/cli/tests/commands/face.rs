@@ -10,7 +10,7 @@ use crate::common::{refuse, run, succeed};
 use crate::form::{fit, schema};
 
 /// The commands, with those below another one.
-const COMMANDS: [&str; 32] = [
+const COMMANDS: [&str; 33] = [
     "demo",
     "init",
     "audit",
@@ -21,6 +21,7 @@ const COMMANDS: [&str; 32] = [
     "grey-box motor",
     "grey-box electrical",
     "grey-box linear",
+    "cogging",
     "validate",
     "keys",
     "sign",
@@ -240,6 +241,7 @@ fn json_has_the_form_that_its_schema_describes() {
     fits("audit", "audit runs");
     let motor = "--current current_a --velocity velocity_rad_s --load load_torque_nm";
     fits("grey-box", &format!("grey-box motor {traces} {motor}"));
+    fits("cogging", "cogging runs");
     fits("features", &format!("features --labels runs/labels.csv {CHANNELS} --out f.parquet"));
     fits("features-sum", "features-sum f.parquet --features a --out f.sums");
     fits("train-features", "train-features f.sums --model f.bwm");

@@ -12,12 +12,12 @@
 //! that size is found in 9 of 10 traces of a drive like these. By noise alone, s is the deviation of the estimate of
 //! one trace, and t that of the normal distribution.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use serde_json::{Value, json};
 use statrs::distribution::{ContinuousCDF as _, Normal, StudentsT};
 
 use crate::grey_box::filter::LowPass;
-use crate::grey_box::regression;
+use crate::grey_box::normal::{inverse, solve};
 use crate::statistics::mean_sd;
 use crate::trace::median;
 
@@ -104,57 +104,6 @@ impl Terms {
 fn settled(mut x: Vec<f64>, dropped: usize) -> DVector<f64> {
     x.drain(..dropped);
     DVector::from_vec(x)
-}
-
-/// (XᵀX)⁻¹ of columns that are scaled to unit norm, and their norms before. Products of columns square the condition of
-/// X, which is small enough here: the own part (2) of each column is above [`OWN`]. So X need not be copied for a
-/// factorisation, which would take several times the memory of a long record.
-struct Inverse {
-    of_unit: DMatrix<f64>,
-    norms: Vec<f64>,
-}
-
-impl Inverse {
-    /// (2): the inverse's diagonal is one over it.
-    fn own_part(&self, k: usize) -> f64 {
-        1.0 / self.of_unit[(k, k)]
-    }
-}
-
-fn inverse(columns: &[&DVector<f64>]) -> Option<Inverse> {
-    let norms: Vec<f64> = columns.iter().map(|column| column.norm()).collect();
-    if norms.iter().any(|norm| !(*norm > 0.0 && norm.is_finite())) {
-        return None;
-    }
-    let product = |j: usize, k: usize| columns[j].dot(columns[k]) / (norms[j] * norms[k]);
-    let of_unit = DMatrix::from_fn(norms.len(), norms.len(), product).cholesky()?.inverse();
-    Some(Inverse { of_unit, norms })
-}
-
-/// Least squares.
-struct Solution {
-    theta: DVector<f64>,
-    covariance: DMatrix<f64>,
-    inverse: Inverse,
-}
-
-/// θ = (XᵀX)⁻¹ Xᵀy, with the covariance for residuals that are correlated over `lags` rows.
-fn solve(columns: &[DVector<f64>], y: &DVector<f64>, lags: usize) -> Option<Solution> {
-    let inverse = inverse(&columns.iter().collect::<Vec<_>>())?;
-    let n = columns.len();
-    let scale = DVector::from_fn(n, |k, _| 1.0 / inverse.norms[k]);
-    let whole = DMatrix::from_diagonal(&scale) * &inverse.of_unit * DMatrix::from_diagonal(&scale);
-    let theta = &whole * DVector::from_fn(n, |k, _| columns[k].dot(y));
-    let mut residuals = y.clone();
-    for (column, theta) in columns.iter().zip(theta.iter()) {
-        residuals.axpy(-theta, column, 1.0);
-    }
-    let score = |t: usize, g: &mut DVector<f64>| {
-        let row = DVector::from_fn(n, |k, _| columns[k][t] * residuals[t]);
-        whole.mul_to(&row, g);
-    };
-    let covariance = regression::covariance((n, y.len()), score, lags);
-    theta.iter().all(|p| p.is_finite()).then_some(Solution { theta, covariance, inverse })
 }
 
 /// One term over the traces.

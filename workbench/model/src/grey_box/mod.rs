@@ -8,6 +8,7 @@ pub mod external;
 pub mod filter;
 pub mod linear;
 pub mod motor;
+pub(crate) mod normal;
 pub mod physical;
 pub(crate) mod regression;
 
