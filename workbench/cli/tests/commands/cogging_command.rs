@@ -87,7 +87,7 @@ fn what_is_not_usable_is_refused() {
     recordings(&dir.join("runs"), 0, 0.0);
     refuse(dir, "cogging runs --angle integrate(velocity_rad_s)", &["an integral is not absolute"]);
     refuse(dir, "cogging runs --load none", &["--kt"]);
-    refuse(dir, "cogging runs --angle phi_rad", &["phi_rad"]);
+    refuse(dir, "cogging runs/slow_0.csv --angle phi_rad", &["phi_rad"]);
     // A shaft that stands still.
     rewrite_column(&dir.join("runs/slow_0.csv"), &dir.join("little.csv"), "angle_rad", |_| "0.5".into());
     refuse(dir, "cogging little.csv", &["the shaft makes 0.0 turns", "at least 10 turns"]);
