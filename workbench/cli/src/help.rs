@@ -67,8 +67,7 @@ pub(super) fn of_program(command: Command) -> Command {
     // The version as one of the other options: by itself it has a heading of its own. Not in the short help, which with
     // all commands is as long as a screen.
     let version = Arg::new("version").short('V').long("version").action(ArgAction::Version).help("Print version");
-    let version = version.hide_short_help(true);
-    arranged(command.disable_version_flag(true).arg(version))
+    arranged(command.disable_version_flag(true).arg(version)).mut_arg("version", |own| own.hide_short_help(true))
 }
 
 fn arranged(command: Command) -> Command {
