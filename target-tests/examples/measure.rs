@@ -55,7 +55,7 @@ fn run() {
     decimation::measure(counter, |name, factor, instructions, bytes| {
         report(name, factor, instructions, bytes);
     });
-    support::rotor::measure(counter, |name, n, instructions, bytes| report(name, n, instructions, bytes));
+    support::rotor::measure(counter, report);
     support::front_end::measure(counter, |name, factor, instructions, bytes| {
         line(format_args!("front end, {name}"), factor, instructions, Some(bytes));
     });
