@@ -170,7 +170,7 @@ impl<'m, P: Plan> Detector<'m, P> {
         Segment {
             regression: P::Regressed::map_part(&self.estimator, |estimator| estimator.sums(plan, rest)),
             averages: self.averages.clone(),
-            shaft: P::Watched::map_part(&self.shaft, Shaft::sums),
+            shaft: P::Watched::map_part(&self.shaft, |shaft| shaft.sums().clone()),
             counts,
             rows,
             whole,
@@ -296,7 +296,7 @@ impl<'m, P: Plan> Detector<'m, P> {
             estimator.restart(plan, regression);
         }
         if let (Some(shaft), Some(shaft_constants)) = (self.shaft.part_mut(), constants.shaft.part()) {
-            *shaft = Shaft::new(plan, shaft_constants);
+            shaft.renew(plan, shaft_constants);
         }
         self.averages = average::empty(plan);
         self.usable = 0;

@@ -24,7 +24,7 @@
 use core::fmt;
 
 use super::RotorFrame;
-use crate::signal::{AlphaBeta, Angle, RAD, SinCos, Travel};
+use crate::signal::{AlphaBeta, Angle, RAD, SinCos, Travel, TravelSums};
 
 /// Largest number of pole pairs that is tried besides that of the frame.
 pub const MAX_POLE_PAIRS: usize = 16;
@@ -213,6 +213,7 @@ pub struct WiringCheck {
     last: Option<Angle>,
     sectors: u16,
     travel: Travel,
+    travel_sums: TravelSums,
 }
 
 impl WiringCheck {
@@ -232,6 +233,7 @@ impl WiringCheck {
             last: None,
             sectors: 0,
             travel: Travel::default(),
+            travel_sums: TravelSums::default(),
         }
     }
 
@@ -245,7 +247,7 @@ impl WiringCheck {
         if !velocity_rad_s.is_finite() {
             self.travel.restart();
         } else if self.travel.step(turned, velocity_rad_s) {
-            self.travel.close(self.limits.slowest_rad_s * self.interval_s);
+            self.travel.close(&mut self.travel_sums, self.limits.slowest_rad_s * self.interval_s);
         }
         let power = currents.alpha * currents.alpha + currents.beta * currents.beta;
         if shaft.since(self.at).unsigned_abs() >= STEP && power.is_finite() && self.taken < MOST {
@@ -295,7 +297,7 @@ impl WiringCheck {
         if rms_a.is_nan() || rms_a < self.limits.least_current_a {
             return Err(WiringFault::TooLittleCurrent { rms_a });
         }
-        let velocity_ratio = self.travel.sums().ratio(self.interval_s);
+        let velocity_ratio = self.travel_sums.ratio(self.interval_s);
         let coherence = self.turning(power, velocity_ratio)?;
         if let Some(ratio) = velocity_ratio {
             if ratio < 0.0 {

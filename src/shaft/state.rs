@@ -113,11 +113,11 @@ pub struct Shaft<P: Plan> {
     /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start
     /// anywhere.
     angle: Angle,
-    usage: Usage,
     travel: Travel,
     balance: BalanceState,
     residual: ResidualState,
     orders: OrderTracking<P>,
+    sums: ShaftSums<P>,
 }
 
 /// A closed segment's sums of the shaft, separate from the running state.
@@ -130,11 +130,27 @@ pub struct ShaftSums<P: Plan> {
     travel: TravelSums,
 }
 
+impl<P: Plan> ShaftSums<P> {
+    /// Nothing but the prior of the balance.
+    fn new(plan: P, balance: &Balance) -> Self {
+        Self {
+            balance: BalanceSums::new(balance, has_load(plan)),
+            orders: OrderSums::new(plan),
+            usage: Usage::default(),
+            travel: TravelSums::default(),
+        }
+    }
+}
+
+#[inline(always)]
+fn has_load<P: Plan>(plan: P) -> bool {
+    plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some())
+}
+
 impl<P: Plan> Shaft<P> {
     /// Nothing sampled yet.
     #[must_use]
     pub fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
-        let load = plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some());
         Self {
             ring: [Moment::default(); RING as usize],
             place: 0,
@@ -143,11 +159,11 @@ impl<P: Plan> Shaft<P> {
             spoilt: 0,
             delays: Delays::of(&constants.lags),
             angle: Angle::ZERO,
-            usage: Usage::default(),
             travel: Travel::default(),
-            balance: BalanceState::new(&constants.balance, load),
+            balance: BalanceState::new(&constants.balance),
             residual: ResidualState::new(),
             orders: OrderTracking::new(plan),
+            sums: ShaftSums::new(plan, &constants.balance),
         }
     }
 
@@ -185,7 +201,8 @@ impl<P: Plan> Shaft<P> {
         };
         let angle = self.angle_back(angle);
         let turned = angle.since(core::mem::replace(&mut self.angle, angle));
-        self.usage.seen = self.usage.seen.saturating_add(1);
+        let usage = &mut self.sums.usage;
+        usage.seen = usage.seen.saturating_add(1);
         if self.filling > 0 {
             self.travel.restart();
             self.orders.turn_unwatched(turned);
@@ -194,22 +211,25 @@ impl<P: Plan> Shaft<P> {
         }
         let clean = self.spoilt == 0;
         if clean {
-            self.usage.used = self.usage.used.saturating_add(1);
+            usage.used = usage.used.saturating_add(1);
         } else {
             self.spoilt = self.spoilt.wrapping_sub(1);
             self.travel.restart();
         }
         // A velocity of the angle agrees with it.
         if watched && clean && self.travel.step(turned, now.velocity_rad_s) {
-            self.travel.close(SLOWEST * constants.balance.sign_velocity_rad_s * constants.balance.interval_s);
+            self.travel.close(
+                &mut self.sums.travel,
+                SLOWEST * constants.balance.sign_velocity_rad_s * constants.balance.interval_s,
+            );
         }
         let frictions = constants.balance.frictions(&now);
-        self.balance.step(&constants.balance, has_load, &now, &frictions, clean);
+        self.balance.step(&mut self.sums.balance, (&constants.balance, has_load), &now, &frictions, clean);
         if orders > 0 {
             let tracking = &constants.tracking;
             let p = self.balance.present();
             let residual = self.residual.step(&constants.balance, &tracking.blocks, p, &now, &frictions, clean);
-            self.orders.step(harmonics, tracking, turned, residual);
+            self.orders.step(&mut self.sums.orders, tracking, turned, (harmonics, residual));
         }
     }
 
@@ -271,26 +291,29 @@ impl<P: Plan> Shaft<P> {
         newer.plus(Angle::from_bits((part as i32).cast_unsigned()))
     }
 
-    /// A copy of the sums of the open segment.
+    /// The sums of the open segment.
     #[inline(always)]
     #[must_use]
-    pub fn sums(&self) -> ShaftSums<P> {
-        ShaftSums {
-            balance: self.balance.sums().clone(),
-            orders: self.orders.sums(),
-            usage: self.usage,
-            travel: self.travel.sums(),
-        }
+    pub const fn sums(&self) -> &ShaftSums<P> {
+        &self.sums
     }
 
     /// Starts a segment; filters and phases continue.
     #[inline(always)]
     pub fn next_segment(&mut self, plan: P, constants: &ShaftConstants<P>) {
-        let load = plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some());
-        self.balance.next_segment(&constants.balance, load);
-        self.orders.next_segment();
-        self.usage = Usage::default();
-        self.travel.next_segment();
+        self.balance.next_segment(&mut self.sums.balance, &constants.balance, has_load(plan));
+        self.orders.next_segment(&mut self.sums.orders);
+        (self.sums.usage, self.sums.travel) = (Usage::default(), TravelSums::default());
+    }
+
+    /// Starts afresh as if nothing had been sampled, in place: a new one would be moved.
+    #[inline(always)]
+    pub fn renew(&mut self, plan: P, constants: &ShaftConstants<P>) {
+        self.balance.renew(&mut self.sums.balance, &constants.balance, has_load(plan));
+        self.orders.renew(&mut self.sums.orders);
+        (self.sums.usage, self.sums.travel) = (Usage::default(), TravelSums::default());
+        // The samples that fill the ring replace it, and start filters and travel.
+        (self.filling, self.lost, self.spoilt) = (FILLING, 0, 0);
     }
 }
 

@@ -34,7 +34,7 @@ impl TravelSums {
     }
 }
 
-/// The open block and the sums.
+/// The open block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Travel {
@@ -43,7 +43,6 @@ pub struct Travel {
     /// Σ ω so far.
     velocities: f32,
     samples: u32,
-    sums: TravelSums,
 }
 
 impl Travel {
@@ -60,11 +59,11 @@ impl Travel {
     /// Closes the block; it counts if on average it moved by at least `slowest_rad` a sample.
     #[cold]
     #[inline(never)]
-    pub fn close(&mut self, slowest_rad: f32) {
+    pub fn close(&mut self, sums: &mut TravelSums, slowest_rad: f32) {
         let path_rad = self.turned.unsigned_abs() as f32 * RAD;
         if path_rad >= slowest_rad * self.samples as f32 {
-            self.sums.path_rad += path_rad;
-            self.sums.along += if self.turned < 0 { -self.velocities } else { self.velocities };
+            sums.path_rad += path_rad;
+            sums.along += if self.turned < 0 { -self.velocities } else { self.velocities };
         }
         self.restart();
     }
@@ -73,19 +72,6 @@ impl Travel {
     #[inline(always)]
     pub const fn restart(&mut self) {
         (self.turned, self.velocities, self.samples) = (0, 0.0, 0);
-    }
-
-    /// The sums so far.
-    #[inline(always)]
-    #[must_use]
-    pub const fn sums(&self) -> TravelSums {
-        self.sums
-    }
-
-    /// Starts the sums afresh; the block continues.
-    #[inline(always)]
-    pub const fn next_segment(&mut self) {
-        self.sums = TravelSums { path_rad: 0.0, along: 0.0 };
     }
 }
 
@@ -97,14 +83,14 @@ mod tests {
 
     /// The ratio of `samples` at ± 50 rad/s, whose velocity is measured as `scale` times itself.
     fn ratio(samples: u32, scale: f32, slowest_rad: f32) -> Option<f32> {
-        let mut travel = Travel::default();
+        let (mut travel, mut sums) = (Travel::default(), TravelSums::default());
         for k in 0..samples {
             let velocity = if (k / 500) % 2 == 0 { 50.0 } else { -50.0 };
             if travel.step((velocity * INTERVAL_S / RAD) as i32, scale * velocity) {
-                travel.close(slowest_rad);
+                travel.close(&mut sums, slowest_rad);
             }
         }
-        travel.sums().ratio(INTERVAL_S)
+        sums.ratio(INTERVAL_S)
     }
 
     #[test]
@@ -125,17 +111,16 @@ mod tests {
 
     #[test]
     fn a_restart_leaves_the_block_out() {
-        let mut travel = Travel::default();
+        let (mut travel, mut sums) = (Travel::default(), TravelSums::default());
         // Half of a block whose velocity is nonsense.
         assert!(!travel.step(1 << 28, 1e9));
         travel.restart();
         for _ in 0..40 {
             if travel.step(1 << 28, core::f32::consts::TAU / 16.0) {
-                travel.close(0.0);
+                travel.close(&mut sums, 0.0);
             }
         }
-        assert!((travel.sums().ratio(1.0).unwrap() - 1.0).abs() < 1e-6);
-        travel.next_segment();
-        assert_eq!(travel.sums().ratio(1.0), None);
+        assert!((sums.ratio(1.0).unwrap() - 1.0).abs() < 1e-6);
+        assert_eq!(TravelSums::default().ratio(1.0), None);
     }
 }

@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{Channel, Constants, Feature, Field, KNOTS, Lags, Novelty, ShaftConstants, TrackedOrder};
 use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, ShaftLayout};
-use bearing_watch::shaft::{Friction, ShaftEstimate};
+use bearing_watch::shaft::{Friction, OrderStrength, ShaftEstimate};
 use bearing_watch::{Angle, Detector, Model, ModelError, Part, Reason, Report};
 use proptest::prelude::*;
 use rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
@@ -98,16 +98,28 @@ fn a_second_segment_is_that_of_a_fresh_start_but_for_what_fills_the_filters() {
 #[test]
 fn samples_lost_at_the_start_leave_no_jump_in_the_residual() {
     let plain = model(Lags { load: 5.0, ..Lags::default() }, true, 2 * SEGMENT);
-    let clean = motions(&trace(DefectKind::Healthy, 955), 14).split_off(1000);
-    let mut hurt = clean.clone();
-    hurt[..8].iter_mut().for_each(|motion| motion.velocity_rad_s = f32::NAN);
-    let [clean, hurt] = [&clean, &hurt].map(|stream| watched(&run(&plain, stream)).orders().to_vec());
-    for (own, other) in hurt.iter().zip(&clean) {
-        // The shaft's own inertia would answer a jump of the velocity from zero with 80 A.
-        assert!((own.deviation / other.deviation - 1.0).abs() < 0.1, "{own:?} {other:?}");
+    let changes = (955..963).flat_map(|seed| {
+        let clean = motions(&trace(DefectKind::Healthy, seed), 14).split_off(1000);
+        let mut hurt = clean.clone();
+        hurt[..8].iter_mut().for_each(|motion| motion.velocity_rad_s = f32::NAN);
+        let [clean, hurt] = [&clean, &hurt].map(|stream| watched(&run(&plain, stream)).orders().to_vec());
         // Cells begin elsewhere.
-        assert!((own.score - other.score).abs() < 1.2, "{own:?} {other:?}");
-    }
+        let change = |(own, other): (OrderStrength, OrderStrength)| {
+            [(own.deviation / other.deviation).ln(), own.score - other.score].map(f64::from)
+        };
+        hurt.into_iter().zip(clean).map(change).collect::<Vec<_>>()
+    });
+    let changes: Vec<[f64; 2]> = changes.collect();
+    let of = |which: usize| {
+        let values = changes.iter().map(|change| change[which]);
+        (values.clone().sum::<f64>() / changes.len() as f64, values.fold(0.0, |worst: f64, x| worst.max(x.abs())))
+    };
+    let ((deviation, worst), (score, furthest)) = (of(0), of(1));
+    println!("{deviation} {worst} {score} {furthest}");
+    // The shaft's own inertia would answer a jump of the velocity from zero with 80 A. The noise of 60 blocks cut at
+    // other angles differs by 7 %: three standard errors of eight records, and three deviations of one of 24 orders.
+    assert!(deviation.abs() < 0.075 && worst < 0.22, "{deviation} {worst}");
+    assert!(score.abs() < 0.3 && furthest < 1.2, "{score} {furthest}");
 }
 
 #[test]

@@ -165,28 +165,35 @@ pub struct BalanceSums {
 }
 
 impl BalanceSums {
-    /// Holds the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
-    #[inline(never)]
+    /// Holds the prior only.
     pub(in crate::shaft) fn new(balance: &Balance, load: bool) -> Self {
-        let zero =
-            Self { d: [0.0; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 };
+        let mut sums = Self::EMPTY;
+        sums.clear(balance, load);
+        sums
+    }
+
+    const EMPTY: Self =
+        Self { d: [0.0; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 };
+
+    /// Then holds the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
+    #[inline(never)]
+    fn clear(&mut self, balance: &Balance, load: bool) {
+        *self = Self::EMPTY;
         let (terms, target) = (rolled(Balance::terms(load)), balance.scale_of(TERMS));
-        let mut sums = zero;
         let mut k = 0_usize;
         for &term in terms {
             let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
             let scale = balance.scale_of(term);
             let ratio = balance.deviation * scale / at(&balance.prior);
-            if let Some(d) = sums.d.get_mut(k) {
+            if let Some(d) = self.d.get_mut(k) {
                 *d = balance.row_spread * ratio * ratio;
             }
             let columns = columns(load);
-            if let Some(r) = sums.r.get_mut(packed(columns, k, columns.wrapping_sub(1))) {
+            if let Some(r) = self.r.get_mut(packed(columns, k, columns.wrapping_sub(1))) {
                 *r = at(&balance.nominal) * target / scale;
             }
             k = k.wrapping_add(1);
         }
-        sums
     }
 
     /// Takes a row, to be rotated in by [`BalanceSums::rotate`].
@@ -263,7 +270,6 @@ pub struct BalanceState {
     sign: Cell,
     load_friction: Cell,
     stribeck: Cell,
-    sums: BalanceSums,
     /// Samples until the next row.
     due: u16,
     /// Pivots rotated in at each sample.
@@ -279,7 +285,7 @@ pub struct BalanceState {
 }
 
 impl BalanceState {
-    pub(in crate::shaft) fn new(balance: &Balance, load: bool) -> Self {
+    pub(in crate::shaft) fn new(balance: &Balance) -> Self {
         let cell = Cell::at(0.0);
         Self {
             current: cell,
@@ -288,7 +294,6 @@ impl BalanceState {
             sign: cell,
             load_friction: cell,
             stribeck: cell,
-            sums: BalanceSums::new(balance, load),
             due: 0,
             pivots: 8_u8.div_ceil(balance.row_interval.max(1)),
             refresh: ROWS_A_REFRESH,
@@ -316,8 +321,8 @@ impl BalanceState {
     #[inline(always)]
     pub(in crate::shaft) fn step(
         &mut self,
-        balance: &Balance,
-        load: bool,
+        sums: &mut BalanceSums,
+        (balance, load): (&Balance, bool),
         now: &Torques,
         frictions: &Frictions,
         good: bool,
@@ -333,10 +338,10 @@ impl BalanceState {
             (0.0, 0.0)
         };
         if self.left > 0 {
-            self.substitute(balance, load);
+            self.substitute(sums, balance, load);
         }
         for _ in 0..self.pivots {
-            if !self.sums.rotate(load) {
+            if !sums.rotate(load) {
                 break;
             }
         }
@@ -348,24 +353,24 @@ impl BalanceState {
         self.refresh = self.refresh.wrapping_sub(1);
         if self.refresh == 0 {
             self.refresh = ROWS_A_REFRESH;
-            if self.sums.rows >= u32::from(balance.own_from_rows) && balance.own_from_rows < u16::MAX {
+            if sums.rows >= u32::from(balance.own_from_rows) && balance.own_from_rows < u16::MAX {
                 self.left = columns(load).wrapping_sub(1);
             }
         } else if good {
             let [k0, k1, k2, k3, k4, k5, k6, k7] = balance.scale;
             let (a, w, s, b, i) = (slope * bank.rate_per_s * k0, w * k1, s * k2, b * k6, i * k7);
             let row = if load { [a, w, s, t * k3, k4, q * k5, b, i] } else { [a, w, s, k4, b, i, 0.0, 0.0] };
-            self.sums.start(row);
-            self.sums.rows = self.sums.rows.saturating_add(1);
+            sums.start(row);
+            sums.rows = sums.rows.saturating_add(1);
         }
     }
 
     /// One parameter of the back substitution; with the last one they hold.
     #[inline(never)]
-    fn substitute(&mut self, balance: &Balance, load: bool) {
+    fn substitute(&mut self, sums: &BalanceSums, balance: &Balance, load: bool) {
         let (columns, terms) = (columns(load), Balance::terms(load));
         let k = self.left.wrapping_sub(1);
-        let value = self.sums.substitute(columns, k, self.scaled.get(self.left..terms.len()).unwrap_or(&[]));
+        let value = sums.substitute(columns, k, self.scaled.get(self.left..terms.len()).unwrap_or(&[]));
         if let Some(cell) = self.scaled.get_mut(k) {
             *cell = value;
         }
@@ -386,15 +391,16 @@ impl BalanceState {
         &self.present
     }
 
-    /// The sums so far.
     #[inline(always)]
-    pub(in crate::shaft) const fn sums(&self) -> &BalanceSums {
-        &self.sums
+    pub(in crate::shaft) fn next_segment(&mut self, sums: &mut BalanceSums, balance: &Balance, load: bool) {
+        sums.clear(balance, load);
+        (self.left, self.refresh) = (0, ROWS_A_REFRESH);
     }
 
+    /// Starts afresh, with the nominal parameters.
     #[inline(always)]
-    pub(in crate::shaft) fn next_segment(&mut self, balance: &Balance, load: bool) {
-        self.sums = BalanceSums::new(balance, load);
-        (self.left, self.refresh) = (0, ROWS_A_REFRESH);
+    pub(in crate::shaft) fn renew(&mut self, sums: &mut BalanceSums, balance: &Balance, load: bool) {
+        self.next_segment(sums, balance, load);
+        (self.due, self.present) = (0, balance.nominal);
     }
 }

@@ -199,7 +199,7 @@ mod tests {
     /// A shaft with the parameters p under two sines and a load; one solve after 4000 samples.
     fn run(row_interval: u8, load: bool, p: [f32; 5]) -> Result<Friction, Reason> {
         let balance = balance(row_interval);
-        let mut state = BalanceState::new(&balance, load);
+        let (mut state, mut sums) = (BalanceState::new(&balance), BalanceSums::new(&balance, load));
         for k in 0..4000_u16 {
             let t = f64::from(k) * 0.001;
             let (w, dw) =
@@ -212,10 +212,10 @@ mod tests {
             if k == 0 {
                 state.start(&balance, &now);
             } else {
-                state.step(&balance, load, &now, &balance.frictions(&now), true);
+                state.step(&mut sums, (&balance, load), &now, &balance.frictions(&now), true);
             }
         }
-        solve(&balance, load, &mut state.sums().clone())
+        solve(&balance, load, &mut sums)
     }
 
     #[test]

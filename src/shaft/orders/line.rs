@@ -1,10 +1,10 @@
-//! One order: filtered excitation, block phasors, and their products.
+//! One order: block phasors and their products.
 //!
 //! The numbers (1) … (6) are those of [`super::tracking`].
 
-use super::blocks::{Blocks, LAGS};
+use super::blocks::LAGS;
 use super::phasor::phasor;
-use super::residual::{Filter, Residual};
+use super::response::Response;
 use crate::plan::MAX_HARMONICS;
 
 /// Sums of one order over the blocks of a segment.
@@ -30,90 +30,86 @@ impl LineSums {
     };
 }
 
-/// The filter (2) of one harmonic's excitation, real and imaginary part.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Template {
-    real: Filter,
-    imaginary: Filter,
-}
-
-impl Template {
-    const EMPTY: Self = Self { real: Filter::EMPTY, imaginary: Filter::EMPTY };
-
-    /// Takes the excitation, and adds the sample to a block's b and W.
-    #[inline(always)]
-    pub(super) fn add(
-        &mut self,
-        blocks: &Blocks,
-        residual: Residual,
-        (cos, sin): (f32, f32),
-        ([x, y], w): (&mut [f32; 2], &mut f32),
-    ) {
-        let Residual { white, excitation } = residual;
-        let (tx, ty) = (self.real.step(blocks, excitation * cos), self.imaginary.step(blocks, excitation * sin)); // (2)
-        *x += white * tx; // (3)
-        *y -= white * ty;
-        *w += tx * tx + ty * ty;
-    }
-}
-
 /// Running state of one order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Line {
-    templates: [Template; MAX_HARMONICS],
-    /// b of (3).
-    pub(super) block: [[f32; 2]; MAX_HARMONICS],
-    /// W of (3).
-    pub(super) weight: [f32; MAX_HARMONICS],
+    /// c of (2), of the part that goes on and of the one that closes.
+    pub(super) parts: Parts<MAX_HARMONICS>,
     /// b of the last blocks.
     history: [[[f32; 2]; LAGS]; MAX_HARMONICS],
     /// W of the first harmonic of the last blocks.
     weights: [f32; LAGS],
-    pub(super) sums: LineSums,
 }
 
-pub(super) const LINE: Line = Line {
-    templates: [Template::EMPTY; MAX_HARMONICS],
-    block: [[0.0; 2]; MAX_HARMONICS],
-    weight: [0.0; MAX_HARMONICS],
-    history: [[[0.0; 2]; LAGS]; MAX_HARMONICS],
-    weights: [0.0; LAGS],
-    sums: LineSums::EMPTY,
-};
+pub(super) const LINE: Line =
+    Line { parts: Parts::EMPTY, history: [[[0.0; 2]; LAGS]; MAX_HARMONICS], weights: [0.0; LAGS] };
+
+/// Sums c of N lines for two parts of blocks, one of which goes on while the other closes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Parts<const N: usize>([[[f32; 2]; N]; 2]);
+
+impl<const N: usize> Parts<N> {
+    pub(super) const EMPTY: Self = Self([[[0.0; 2]; N]; 2]);
+
+    /// Those of the part, `second` or first.
+    #[inline(always)]
+    pub(super) const fn of(&mut self, second: bool) -> &mut [[f32; 2]; N] {
+        let [one, other] = &mut self.0;
+        if second { other } else { one }
+    }
+}
+
+/// The last blocks, with which a block is compared.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Last<'a> {
+    /// Their cells.
+    pub cells: &'a [i32; LAGS],
+    /// How many there are.
+    pub held: usize,
+    /// Where the block is kept.
+    pub place: usize,
+    /// Whether the block there is of the same passage and grows by this one.
+    pub continues: bool,
+}
 
 impl Line {
+    /// Adds a sample of `y g` at this phase to a part (2).
     #[inline(always)]
-    pub(super) fn add(&mut self, harmonics: u8, phase: u32, blocks: &Blocks, residual: Residual) {
+    pub(super) fn add(&mut self, harmonics: u8, phase: u32, (part, product): (bool, f32)) {
         let (cos, sin) = phasor(phase);
-        let [first, second, third] = &mut self.templates;
-        let [b1, b2, b3] = &mut self.block;
-        let [w1, w2, w3] = &mut self.weight;
-        first.add(blocks, residual, (cos, sin), (b1, w1));
+        let [first, second, third] = self.parts.of(part);
+        accumulate(first, product, cos, sin);
         if harmonics < 2 {
             return;
         }
         let twice = sin + sin; // (6)
         let (cos_2, sin_2) = (1.0 - twice * sin, twice * cos);
-        second.add(blocks, residual, (cos_2, sin_2), (b2, w2));
+        accumulate(second, product, cos_2, sin_2);
         if harmonics < 3 {
             return;
         }
         let double = cos_2 + cos_2;
-        third.add(blocks, residual, ((double - 1.0) * cos, (double + 1.0) * sin), (b3, w3));
+        accumulate(third, product, (double - 1.0) * cos, (double + 1.0) * sin);
     }
 
-    /// Closes the block of harmonic h: its products with the `held` last blocks, the newest before `place`.
+    /// Closes a part of harmonic h in this cell: its products with the last blocks. `response` is that at the mean
+    /// speed of the part, `square` its G.
     #[inline(always)]
-    pub(super) fn close(&mut self, h: usize, cell: i32, cells: &[i32; LAGS], (held, place): (usize, usize)) {
-        let (Some(block), Some(weight), Some(history)) =
-            (self.block.get_mut(h), self.weight.get_mut(h), self.history.get_mut(h))
-        else {
+    pub(super) fn close(
+        &mut self,
+        sums: &mut LineSums,
+        (h, part): (usize, bool),
+        cell: i32,
+        last: Last<'_>,
+        of: (Response, f32),
+    ) {
+        let (Some(block), Some(history)) = (self.parts.of(part).get_mut(h), self.history.get_mut(h)) else {
             return;
         };
-        let ([x, y], w) = (core::mem::take(block), core::mem::take(weight));
-        let sums = &mut self.sums;
+        let (response, square) = of;
+        let ([x, y], w) = (response.correct(core::mem::take(block)), response.power * square); // (3)
         let (Some(lags), Some(power), Some(total)) =
             (sums.lags.get_mut(h), sums.power.get_mut(h), sums.weight.get_mut(h))
         else {
@@ -124,7 +120,7 @@ impl Line {
         let own_weight = if h == 0 { w } else { 0.0 };
         let [square, pairs @ ..] = &mut sums.pairs;
         *square += own_weight * own_weight;
-        let filled = history.iter().zip(cells).zip(&self.weights).take(held);
+        let filled = history.iter().zip(last.cells).zip(&self.weights).take(last.held);
         for ((&[hx, hy], &other), &other_weight) in filled {
             let (real, imaginary) = (x * hx + y * hy, y * hx - x * hy);
             let apart = cell.wrapping_sub(other);
@@ -140,13 +136,21 @@ impl Line {
                 *pair += own_weight * other_weight; // (5)
             }
         }
-        if let Some(cell) = history.get_mut(place) {
-            *cell = [x, y];
+        if let Some([hx, hy]) = history.get_mut(last.place) {
+            let [kept_x, kept_y] = if last.continues { [*hx, *hy] } else { [0.0; 2] };
+            (*hx, *hy) = (kept_x + x, kept_y + y);
         }
         if h == 0
-            && let Some(cell) = self.weights.get_mut(place)
+            && let Some(cell) = self.weights.get_mut(last.place)
         {
-            *cell = w;
+            *cell = if last.continues { *cell + w } else { w };
         }
     }
+}
+
+/// Adds a sample of (2).
+#[inline(always)]
+pub(super) fn accumulate([x, y]: &mut [f32; 2], product: f32, cos: f32, sin: f32) {
+    *x += product * cos;
+    *y -= product * sin;
 }

@@ -15,6 +15,7 @@ mod line;
 mod noise;
 mod phasor;
 mod residual;
+mod response;
 mod slip;
 mod tracking;
 

@@ -23,10 +23,10 @@
 use super::blocks::Blocks;
 use crate::shaft::balance::{Balance, Frictions, TERMS, Torques};
 
-/// The filter (3) and (4) of the residual, and of the signals that are compared with it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The filter (3) and (4).
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(in crate::shaft) struct Filter {
+struct Filter {
     /// x of (3).
     low: f32,
     /// v of (4).
@@ -34,11 +34,11 @@ pub(in crate::shaft) struct Filter {
 }
 
 impl Filter {
-    pub(in crate::shaft) const EMPTY: Self = Self { low: 0.0, slow: 0.0 };
+    const EMPTY: Self = Self { low: 0.0, slow: 0.0 };
 
     /// Takes the next sample; returns y of (4).
     #[inline(always)]
-    pub(in crate::shaft) fn step(&mut self, blocks: &Blocks, sample: f32) -> f32 {
+    fn step(&mut self, blocks: &Blocks, sample: f32) -> f32 {
         self.low = sample + blocks.pole * self.low; // (3)
         let filtered = self.low - self.slow;
         self.slow += blocks.high_pass * filtered; // (4)

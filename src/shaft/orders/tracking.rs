@@ -5,37 +5,48 @@
 //!
 //! ```text
 //! φ = O_q Θ,   O_q = 2¹⁶ O, wrapping 64 bits: 2⁻⁴⁸ turns;   Θ: angle turned since the start            (1)
-//! u(h) = g sgn(ω) e^{j h φ},   x(h) ← u(h) + α x(h),   t(h) = x(h) − v(h),   v(h) ← v(h) + γ t(h)     (2)
-//! b(h) = Σ_block y t*(h),   W(h) = Σ_block |t(h)|²                                                    (3)
+//! c(h) = Σ_block y g sgn(ω) e^{−j h φ},   G = Σ_block g²,   θ = O_q Σ_block g² Δ/G                    (2)
+//! b(h) = H*(h θ) c(h),   W(h) = |H(h θ)|² G                                                           (3)
 //! R(h, d) = Σ b_n(h) b_m*(h)  over pairs of blocks, n at most six blocks later, at cells d apart      (4)
 //! V(d) = Σ W_n W_m over the same pairs, of the first harmonic                                         (5)
 //! e^{2jφ}: c₂ = 1 − 2 s², s₂ = 2 s c;      e^{3jφ}: c₃ = (2 c₂ − 1) c, s₃ = (2 c₂ + 1) s               (6)
 //! ```
 //!
-//! The signal that a defect causes in y has passed the filters of the residual; (2) passes the same filters, so (3) is
-//! the matched filter. A block is one passage through a cell of the shaft's angle, 2ⁿ turns wide, or as much motion to
-//! and fro within it. Blocks are therefore equal in turns at any speed and end at the same angles after a reversal, and
-//! slip turns the phase of (4) by an angle that depends on d only. Products of blocks of backward motion are
-//! conjugated. The noise is estimated from the blocks of the control orders ([`super::noise`]).
+//! Δ is the angle turned in a sample. The signal that a defect causes in y has passed the filters of the residual, with
+//! the response H at the speed of the shaft. Speed varies little in a block, so that (3), with H at the mean speed of
+//! the block, is the matched filter, and a sample only multiplies y by a phasor. A block is one passage through a cell
+//! of the shaft's angle, 2ⁿ turns wide, or as much motion to and fro within it. Blocks are therefore equal in turns at
+//! any speed and end at the same angles after a reversal, and slip turns the phase of (4) by an angle that depends on d
+//! only. Where the shaft reverses within a cell, its speed changes sign: the part before is closed by itself and kept
+//! as a block that grows by the next part. Products of blocks of backward motion are conjugated. The noise is estimated
+//! from the blocks of the control orders ([`super::noise`]).
 //!
-//! After the end of a cell, one order and harmonic a sample closes its block, so that the work is distributed.
+//! After the end of a part, one order and harmonic a sample closes its block, so that the work is distributed.
 //! `cargo xtask measure` prints instructions and state.
 
 use super::blocks::{CONTROLS, LAGS, MIN_BLOCKS, PLACES, Tracking};
-use super::line::{LINE, Line, LineSums, Template};
+use super::line::{LINE, Last, Line, LineSums, Parts, accumulate};
 use super::noise::Noise;
 use super::phasor::phasor;
 use super::residual::Residual;
-use crate::plan::{Array, Cells, Plan, Size};
+use super::response::Response;
+use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
 
-/// One control order: t, b and W.
+/// b and W of a control order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Control {
-    template: Template,
     block: [f32; 2],
     weight: f32,
+}
+
+/// The excitation of a part of a block: G of (2), and Σ g² Δ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Excited {
+    square: f32,
+    turned: f32,
 }
 
 /// Running state.
@@ -43,8 +54,15 @@ struct Control {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OrderTracking<P: Plan> {
     lines: Array<P::Orders, Line>,
-    controls: [Control; CONTROLS],
-    noise: Noise,
+    /// c of the control orders.
+    controls: Parts<CONTROLS>,
+    /// Whether the part that goes on is the second one.
+    part: bool,
+    /// b and W of the control orders' parts that have closed.
+    open: [Control; CONTROLS],
+    excited: Excited,
+    /// The last excitation that is not zero.
+    excitation: f32,
     /// Θ of (1), counts of 2⁻³² turn.
     turned: i64,
     /// The cell of Θ, and the angle turned in it, forwards or backwards, counts of 2⁻³² turn.
@@ -55,10 +73,15 @@ pub struct OrderTracking<P: Plan> {
     held: u8,
     /// Place of the next block among them.
     place: u8,
-    /// The cell that closes, and the next item to close: orders times harmonics, then controls; `IDLE` if none.
+    /// Whether the newest of them grows by the next part.
+    continues: bool,
+    /// The cell that closes, G and mean Δ, whether the cell goes on, and the next item to close: orders times
+    /// harmonics, then controls; `IDLE` if none.
     closing_cell: i32,
+    closing_square: f32,
+    closing_turned: i32,
+    reverses: bool,
     closing: u8,
-    blocks: u32,
 }
 
 /// The sums of a segment, separate from the running state.
@@ -71,6 +94,20 @@ pub struct OrderSums<P: Plan> {
 }
 
 impl<P: Plan> OrderSums<P> {
+    pub(in crate::shaft) fn new(plan: P) -> Self {
+        let lines = Cells::filled(plan.layout().orders(), LineSums::EMPTY);
+        Self { lines, noise: Noise::default(), blocks: 0 }
+    }
+
+    /// Nothing yet; in place, since a new one would be moved.
+    #[inline(always)]
+    fn clear(&mut self) {
+        for line in self.lines.cells_mut() {
+            *line = LineSums::EMPTY;
+        }
+        (self.noise, self.blocks) = (Noise::default(), 0);
+    }
+
     /// Why there are no orders.
     pub(in crate::shaft) fn reason(&self) -> Option<Reason> {
         let few = self.blocks < MIN_BLOCKS || self.noise.is_unknown();
@@ -84,37 +121,62 @@ impl<P: Plan> OrderTracking<P> {
     pub(in crate::shaft) fn new(plan: P) -> Self {
         Self {
             lines: Cells::filled(plan.layout().orders(), LINE),
-            controls: [Control::default(); CONTROLS],
-            noise: Noise::default(),
+            controls: Parts::EMPTY,
+            part: false,
+            open: [Control::default(); CONTROLS],
+            excited: Excited::default(),
+            excitation: 0.0,
             turned: 0,
             cell: 0,
             travelled: 0,
             cells: [0; LAGS],
             held: 0,
             place: 0,
+            continues: false,
             closing_cell: 0,
+            closing_square: 0.0,
+            closing_turned: 0,
+            reverses: false,
             closing: IDLE,
-            blocks: 0,
         }
     }
 
     /// Takes a sample: the angle turned since the last one in counts of 2⁻³² turn
     /// ([`Angle::since`](crate::Angle::since)), and the residual, which must be finite.
     #[inline(always)]
-    pub(in crate::shaft) fn step(&mut self, harmonics: u8, tracking: &Tracking<P>, turned: i32, residual: Residual) {
+    pub(in crate::shaft) fn step(
+        &mut self,
+        sums: &mut OrderSums<P>,
+        tracking: &Tracking<P>,
+        turned: i32,
+        (harmonics, residual): (u8, Residual),
+    ) {
         self.turned = self.turned.wrapping_add(i64::from(turned));
         self.travelled = self.travelled.wrapping_add(u64::from(turned.unsigned_abs()));
+        let Residual { white, excitation } = residual;
+        let product = white * excitation;
+        let square = excitation * excitation;
+        self.excited.square += square;
+        self.excited.turned += square * turned as f32;
+        let part = self.part;
         let (mut lines, mut orders) = (self.lines.cells_mut(), tracking.orders.cells());
         while let ([line, rest @ ..], [order, later @ ..]) = (lines, orders) {
-            line.add(harmonics, phase(order.order_q16, self.turned), &tracking.blocks, residual);
+            line.add(harmonics, phase(order.order_q16, self.turned), (part, product));
             (lines, orders) = (rest, later);
         }
-        self.add_controls(tracking, residual);
-        if self.closing == IDLE {
-            self.watch_cell(tracking.blocks.cell_turns_log2);
-        } else {
-            self.close_next(harmonics);
+        for (control, order) in self.controls.of(part).iter_mut().zip(tracking.blocks.controls) {
+            let (cos, sin) = phasor(phase(order, self.turned));
+            accumulate(control, product, cos, sin);
         }
+        if self.closing != IDLE {
+            self.close_next(sums, harmonics, tracking);
+            return;
+        }
+        let reversed = excitation * self.excitation < 0.0;
+        if excitation != 0.0 {
+            self.excitation = excitation;
+        }
+        self.watch_cell(tracking.blocks.cell_turns_log2, reversed);
     }
 
     /// Takes the angle turned while there is no residual: blocks before and after a gap keep their phases.
@@ -127,71 +189,109 @@ impl<P: Plan> OrderTracking<P> {
         }
     }
 
-    /// Adds the sample to the blocks of the control orders, as to those of the tracked ones.
+    /// Starts to close the block if the cell has changed, if its width was turned to and fro in it, or if the shaft
+    /// has reversed.
     #[inline(always)]
-    fn add_controls(&mut self, tracking: &Tracking<P>, residual: Residual) {
-        for (control, order) in self.controls.iter_mut().zip(tracking.blocks.controls) {
-            let Control { template, block, weight } = control;
-            template.add(&tracking.blocks, residual, phasor(phase(order, self.turned)), (block, weight));
-        }
-    }
-
-    /// Starts to close the block if the cell has changed, or if its width was turned to and fro in it.
-    #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, reason = "the cell is counted modulo 2³²")]
-    fn watch_cell(&mut self, cell_turns_log2: i8) {
+    #[expect(clippy::cast_possible_truncation, reason = "the cell is counted modulo 2³², and Δ is an i32")]
+    fn watch_cell(&mut self, cell_turns_log2: i8, reversed: bool) {
         let shift = i32::from(cell_turns_log2).wrapping_add(32) & 63;
         let cell = (self.turned >> shift) as i32;
-        if cell != self.cell || self.travelled >> shift != 0 {
-            (self.closing_cell, self.closing) = (self.cell, 0);
-            (self.cell, self.travelled) = (cell, 0);
+        let ends = cell != self.cell || self.travelled >> shift != 0;
+        if ends || reversed {
+            let Excited { square, turned } = core::mem::take(&mut self.excited);
+            (self.closing_cell, self.closing, self.reverses) = (self.cell, 0, !ends);
+            self.part = !self.part;
+            self.closing_square = square;
+            self.closing_turned = if square > 0.0 { (turned / square) as i32 } else { 0 };
+            if ends {
+                (self.cell, self.travelled) = (cell, 0);
+            }
         }
     }
 
     /// Closes one item.
     #[inline(never)]
-    fn close_next(&mut self, harmonics: u8) {
+    fn close_next(&mut self, sums: &mut OrderSums<P>, harmonics: u8, tracking: &Tracking<P>) {
         let (item, harmonics) = (self.closing as usize, harmonics as usize);
         let lines = self.lines.cells().len();
-        let items = lines.wrapping_mul(harmonics);
+        let control = item.wrapping_sub(lines.wrapping_mul(harmonics));
         self.closing = self.closing.wrapping_add(1);
-        if item < items {
-            let (line, h) = (item.checked_div(harmonics).unwrap_or(0), item.checked_rem(harmonics).unwrap_or(0));
-            let held = (self.held as usize).min(LAGS);
-            if let Some(line) = self.lines.cells_mut().get_mut(line) {
-                line.close(h, self.closing_cell, &self.cells, (held, self.place as usize));
-            }
-        } else if let Some(control) = self.controls.get_mut(item.wrapping_sub(items)) {
-            let Control { template, block, weight } = *control;
-            *control = Control { template, ..Control::default() };
-            self.noise.add(item.wrapping_sub(items), block, weight);
+        let (line, h) = (item.checked_div(harmonics).unwrap_or(0), item.checked_rem(harmonics).unwrap_or(0));
+        let (order, times) = match tracking.orders.cells().get(line) {
+            Some(order) => (order.order_q16, h.wrapping_add(1)),
+            None => (tracking.blocks.controls.get(control).copied().unwrap_or(0), 1),
+        };
+        let turned = i64::from(self.closing_turned).wrapping_mul(times as i64);
+        let response = Response::at(&tracking.blocks, phase(order, turned));
+        let of_part = (response, self.closing_square);
+        let held = (self.held as usize).min(LAGS);
+        let last = Last { cells: &self.cells, held, place: self.place_of_block(), continues: self.continues };
+        let lines = (self.lines.cells_mut().get_mut(line), sums.lines.cells_mut().get_mut(line));
+        if let (Some(line), Some(sums)) = lines {
+            line.close(sums, (h, !self.part), self.closing_cell, last, of_part);
+        } else if control < CONTROLS {
+            self.close_control(&mut sums.noise, control, of_part);
         } else {
+            self.keep_block(&mut sums.blocks);
+        }
+    }
+
+    /// Closes the part of a control order, and its block if the cell does not go on.
+    #[inline(always)]
+    fn close_control(&mut self, noise: &mut Noise, control: usize, (response, square): (Response, f32)) {
+        let (Some(part), Some(open)) = (self.controls.of(!self.part).get_mut(control), self.open.get_mut(control))
+        else {
+            return;
+        };
+        let [x, y] = response.correct(core::mem::take(part));
+        let [sum_x, sum_y] = open.block;
+        *open = Control { block: [sum_x + x, sum_y + y], weight: open.weight + response.power * square };
+        if !self.reverses {
+            let Control { block, weight } = core::mem::take(open);
+            noise.add(control, block, weight);
+        }
+    }
+
+    /// Where the block that closes is kept.
+    #[inline(always)]
+    fn place_of_block(&self) -> usize {
+        let newest = if self.place == 0 { PLACES.wrapping_sub(1) } else { self.place.wrapping_sub(1) };
+        if self.continues { newest as usize } else { self.place as usize }
+    }
+
+    /// Ends the closing of a block.
+    #[inline(always)]
+    fn keep_block(&mut self, blocks: &mut u32) {
+        if !self.continues {
             if let Some(cell) = self.cells.get_mut(self.place as usize) {
                 *cell = self.closing_cell;
             }
             self.place = self.place.wrapping_add(1) % PLACES;
             self.held = self.held.saturating_add(1).min(PLACES);
-            self.blocks = self.blocks.saturating_add(1);
-            self.closing = IDLE;
+            *blocks = blocks.saturating_add(1);
         }
-    }
-
-    /// A copy of the sums.
-    #[inline(always)]
-    pub(in crate::shaft) fn sums(&self) -> OrderSums<P> {
-        OrderSums { noise: self.noise, blocks: self.blocks, lines: P::Orders::map(&self.lines, |line| line.sums) }
+        (self.continues, self.closing) = (self.reverses, IDLE);
     }
 
     /// Starts a segment; phases continue.
     #[inline(always)]
-    pub(in crate::shaft) fn next_segment(&mut self) {
+    pub(in crate::shaft) fn next_segment(&mut self, sums: &mut OrderSums<P>) {
+        sums.clear();
+        // History beyond `held` is not read.
         for line in self.lines.cells_mut() {
-            // History beyond `held` is not read.
-            (line.block, line.weight, line.sums) = (LINE.block, LINE.weight, LineSums::EMPTY);
+            line.parts = Parts::EMPTY;
         }
-        self.controls = [Control::default(); CONTROLS];
-        self.noise = Noise::default();
-        (self.blocks, self.held, self.closing) = (0, 0, IDLE);
+        (self.controls, self.open) = (Parts::EMPTY, [Control::default(); CONTROLS]);
+        self.excited = Excited::default();
+        (self.held, self.continues, self.closing) = (0, false, IDLE);
+    }
+
+    /// Starts afresh: the phases of the orders may start anywhere.
+    #[inline(always)]
+    pub(in crate::shaft) fn renew(&mut self, sums: &mut OrderSums<P>) {
+        self.next_segment(sums);
+        (self.part, self.excitation, self.turned) = (false, 0.0, 0);
+        (self.cell, self.travelled) = (0, 0);
     }
 }
 

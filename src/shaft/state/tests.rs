@@ -53,7 +53,7 @@ fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Fr
         let sample = RunTimeSample { values, ..RunTimeSample::default() };
         shaft.step(plan, &constants, &sample, good(k));
     }
-    let (mut sums, mut solve, mut estimate) = (shaft.sums(), ShaftSolve::new(), ShaftEstimate::empty(plan));
+    let (mut sums, mut solve, mut estimate) = (shaft.sums().clone(), ShaftSolve::new(), ShaftEstimate::empty(plan));
     while !solve.advance(plan, &constants, &mut sums, &mut estimate) {}
     estimate.friction_reason.map_or(Ok(estimate.friction), Err)
 }

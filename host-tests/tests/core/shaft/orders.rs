@@ -2,6 +2,7 @@
 //! products of all pairs, and the spectrum at each slip.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use bearing_watch::model::{CONTROLS, TrackedOrder, Tracking};
 use bearing_watch::plan::RunTime;
@@ -33,45 +34,87 @@ pub struct Expected {
     pub slip_deviation: f64,
 }
 
-/// Ends of all blocks: the sample after which they close, and their cells.
-fn ends(path: &Path, cell_turns: f64, items: usize) -> Vec<(usize, i64)> {
+/// A part of a block: the samples of one direction in it.
+struct Part {
+    samples: Range<usize>,
+    cell: i64,
+    /// Whether the block of the part before goes on in it, and whether its block ends with it.
+    continues: bool,
+    ends: bool,
+}
+
+/// All parts that have closed at the end of the record.
+fn parts(path: &Path, cell_turns: f64, items: usize) -> Vec<Part> {
     let width = (cell_turns * TURN) as i64;
-    let (mut found, mut cell, mut travelled, mut idle, mut last) = (vec![], 0, 0, 0, 0);
-    for (k, &turned) in path.turned.iter().enumerate() {
+    let (mut found, mut cell, mut travelled, mut idle, mut last): (Vec<Part>, _, _, _, _) = (vec![], 0, 0, 0, 0);
+    let (mut from, mut direction, mut continues) = (0, 0.0, false);
+    for (k, (&turned, &excitation)) in path.turned.iter().zip(&path.excitation).enumerate() {
         travelled += (turned - last).abs();
         last = turned;
         let now = turned.div_euclid(width);
-        if k >= idle && (now != cell || travelled >= width) {
-            found.push((k, cell));
-            // One item a sample, then one for the controls each, then one that counts the block.
-            (cell, travelled, idle) = (now, 0, k + items + CONTROLS + 2);
+        if k < idle {
+            continue;
+        }
+        let (ends, reverses) = (now != cell || travelled >= width, direction * excitation < 0.0);
+        if excitation != 0.0 {
+            direction = excitation;
+        }
+        if ends || reverses {
+            found.push(Part { samples: from..k + 1, cell, continues, ends });
+            // One item a sample, then one for the controls each, then one that keeps the block.
+            (from, idle, continues) = (k + 1, k + items + CONTROLS + 2, !ends);
+        }
+        if ends {
+            (cell, travelled) = (now, 0);
         }
     }
     found
 }
 
-/// b and W of the blocks that end `after` so many samples later.
+/// The response of the residual's filter at an angle of θ a sample.
+fn response(pole: f64, high_pass: f64, theta: f64) -> Complex<f64> {
+    let z = Complex::from_polar(1.0, -theta);
+    let high = if high_pass > 0.0 { (1.0 - z) / (1.0 - z * (1.0 - high_pass)) } else { 1.0.into() };
+    high / (1.0 - z * pole)
+}
+
+/// b and W of the parts that have closed `after` so many samples after their end.
 fn blocks(
     path: &Path,
     (order, pole, high_pass): (f64, f64, f64),
-    ends: &[(usize, i64)],
+    parts: &[Part],
     after: usize,
 ) -> Vec<(Complex<f64>, f64)> {
-    let zero = Complex::new(0.0, 0.0);
-    let (mut filtered, mut slow, mut from) = (zero, zero, 0);
-    let mut found = vec![];
-    for end in ends.iter().map(|(end, _)| end + after).filter(|end| *end < path.turned.len()) {
-        let (mut b, mut weight) = (Complex::new(0.0, 0.0), 0.0);
-        while from <= end {
-            let phase = TAU * order * path.turned[from] as f64 / TURN;
-            filtered = Complex::from_polar(path.excitation[from], phase) + filtered * pole;
-            let template = filtered - slow;
-            slow += template * high_pass;
-            b += template.conj() * path.white[from];
-            weight += template.norm_sqr();
-            from += 1;
+    let closed = parts.iter().filter(|part| part.samples.end + after <= path.turned.len());
+    let of = |part: &Part| {
+        let (mut sum, mut square, mut way) = (Complex::new(0.0, 0.0), 0.0, 0.0);
+        for k in part.samples.clone() {
+            let phase = TAU * order * path.turned[k] as f64 / TURN;
+            sum += Complex::from_polar(path.white[k] * path.excitation[k], -phase);
+            let before = if k == 0 { 0 } else { path.turned[k - 1] };
+            square += path.excitation[k].powi(2);
+            way += path.excitation[k].powi(2) * (path.turned[k] - before) as f64;
         }
-        found.push((b, weight));
+        if square == 0.0 {
+            return (Complex::new(0.0, 0.0), 0.0);
+        }
+        let response = response(pole, high_pass, TAU * order * way / square / TURN);
+        (response.conj() * sum, response.norm_sqr() * square)
+    };
+    closed.map(of).collect()
+}
+
+/// Whole blocks: the parts of each together.
+fn whole(parts: &[Part], of_parts: &[(Complex<f64>, f64)]) -> Vec<(Complex<f64>, f64)> {
+    let mut found: Vec<(Complex<f64>, f64)> = vec![];
+    for (part, &(b, w)) in parts.iter().zip(of_parts) {
+        match found.last_mut() {
+            Some((sum, weight)) if part.continues => (*sum, *weight) = (*sum + b, *weight + w),
+            _ => found.push((b, w)),
+        }
+    }
+    if of_parts.len().checked_sub(1).is_some_and(|last| !parts[last].ends) {
+        found.pop();
     }
     found
 }
@@ -84,14 +127,20 @@ struct Harmonic {
 }
 
 impl Harmonic {
-    fn new(blocks: &[(Complex<f64>, f64)], ends: &[(usize, i64)]) -> Self {
+    fn new(blocks: &[(Complex<f64>, f64)], parts: &[Part]) -> Self {
         let mut sums = Self { lags: [Complex::new(0.0, 0.0); LAGS + 1], pairs: [0.0; LAGS + 1], weight: 0.0 };
         for (n, &(b, w)) in blocks.iter().enumerate() {
             sums.lags[0] += b.norm_sqr();
             sums.pairs[0] += w * w;
             sums.weight += w;
-            for m in n.saturating_sub(LAGS)..n {
-                let ((b_m, w_m), apart) = (blocks[m], ends[n].1 - ends[m].1);
+            // Parts of the last six blocks, of which the newest may go on in this part.
+            let held = parts[..n].iter().rev().scan(0, |blocks, part| {
+                *blocks += usize::from(!part.continues);
+                Some(*blocks - usize::from(!part.continues))
+            });
+            let held = held.take_while(|blocks| *blocks < LAGS).count();
+            for m in n - held..n {
+                let ((b_m, w_m), apart) = (blocks[m], parts[n].cell - parts[m].cell);
                 let product = b * b_m.conj();
                 match apart.unsigned_abs() as usize {
                     0 => {
@@ -120,10 +169,10 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
     let cell_turns = f64::from(shape.cell_turns_log2).exp2();
     let (pole, high_pass) = (f64::from(shape.pole), f64::from(shape.high_pass));
     let items = tracking.orders.len() * HARMONICS;
-    let ends = ends(path, cell_turns, items);
+    let parts = parts(path, cell_turns, items);
     let noise = |(c, order): (usize, &i32)| {
         let order = f64::from(*order) / 65_536.0;
-        let blocks = blocks(path, (order, pole, high_pass), &ends, 1 + items + c).into_iter();
+        let blocks = whole(&parts, &blocks(path, (order, pole, high_pass), &parts, 1 + items + c)).into_iter();
         let roots: Vec<f64> = blocks.filter(|(_, w)| *w > 0.0).map(|(b, w)| (b.norm_sqr() / w).powf(0.25)).collect();
         [order.ln(), 4.0 * (roots.iter().sum::<f64>() / roots.len() as f64 / GAMMA).ln(), roots.len() as f64]
     };
@@ -149,7 +198,7 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
     let lines = tracking.orders.iter().enumerate().map(|(line, order)| {
         let harmonic = |h: usize| {
             let own = (h + 1) as f64 * f64::from(order.order_q16) / 65_536.0;
-            Harmonic::new(&blocks(path, (own, pole, high_pass), &ends, 1 + line * HARMONICS + h), &ends)
+            Harmonic::new(&blocks(path, (own, pole, high_pass), &parts, 1 + line * HARMONICS + h), &parts)
         };
         let sums: [Harmonic; HARMONICS] = std::array::from_fn(harmonic);
         strength(order, &sums, (&variance, &uncertain), (cell_turns, f64::from(shape.slip)))

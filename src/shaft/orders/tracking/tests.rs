@@ -45,6 +45,12 @@ fn tracking(slip: f32, log2: i8) -> Tracking<RunTime> {
     }
 }
 
+/// (5) of the residual: full from a third of the largest speed of [`MOTIONS`] on.
+fn excitation(step: f64) -> f64 {
+    let q = (step.abs() / 0.0034 - 1.0).clamp(0.0, 1.0);
+    q * q * (3.0 - 2.0 * q) * step.signum()
+}
+
 /// Turns by `turns(k)` a sample, with a defect of this amplitude and slip; white noise of unit deviation.
 fn run(
     seed: u64,
@@ -65,7 +71,7 @@ fn run_in(
     turns: impl Fn(usize) -> f64,
     (amplitude, slip): (f64, f64),
 ) -> (OrderStrength, u32) {
-    let mut orders = OrderTracking::<RunTime>::new(plan());
+    let (mut orders, mut sums) = (OrderTracking::<RunTime>::new(plan()), OrderSums::new(plan()));
     let (mut angle, mut filtered, mut last) = (0.0, 0.0, 0_u32);
     for k in 0..samples {
         let step = turns(k);
@@ -73,13 +79,12 @@ fn run_in(
         let bits = ((angle * 4_294_967_296.0) as i64).cast_unsigned() as u32;
         let turned = bits.wrapping_sub(last).cast_signed();
         last = bits;
-        let excitation = if step < 0.0 { -1.0 } else { 1.0 };
+        let excitation = excitation(step);
         let phase = core::f64::consts::TAU * f64::from(ORDER) * (1.0 + slip) * angle;
         filtered = amplitude * excitation * (phase.cos() + 0.8 * (2.0 * phase).cos()) + f64::from(POLE) * filtered;
         let white = (filtered + noise()) as f32;
-        orders.step(3, tracking, turned, Residual { white, excitation: excitation as f32 });
+        orders.step(&mut sums, tracking, turned, (3, Residual { white, excitation: excitation as f32 }));
     }
-    let sums = orders.sums();
     let range =
         SlipRange { cell_turns: libm::exp2f(f32::from(tracking.blocks.cell_turns_log2)), slip: tracking.blocks.slip };
     let (noise, line, order) =
@@ -235,7 +240,8 @@ fn noise_and_defects_keep_their_scores_however_many_blocks_a_segment_has() {
 /// The sums after `samples` samples of noise and a line of amplitude 0.2; where `lost` is true, a sample has no
 /// residual.
 fn sums(samples: usize, log2: i8, turns: impl Fn(usize) -> f64, lost: impl Fn(usize) -> bool) -> OrderSums<RunTime> {
-    let (mut orders, mut gauss, mut angle) = (OrderTracking::<RunTime>::new(plan()), Gauss(9), 0.0);
+    let (mut orders, mut sums) = (OrderTracking::<RunTime>::new(plan()), OrderSums::new(plan()));
+    let (mut gauss, mut angle) = (Gauss(9), 0.0);
     for k in 0..samples {
         angle += turns(k);
         let turned = (turns(k) * 4_294_967_296.0) as i32;
@@ -245,9 +251,9 @@ fn sums(samples: usize, log2: i8, turns: impl Fn(usize) -> f64, lost: impl Fn(us
         }
         let phase = core::f64::consts::TAU * f64::from(ORDER) * angle;
         let white = (0.2 * phase.cos() + gauss.next()) as f32;
-        orders.step(3, &tracking(0.0, log2), turned, Residual { white, excitation: 1.0 });
+        orders.step(&mut sums, &tracking(0.0, log2), turned, (3, Residual { white, excitation: 1.0 }));
     }
-    orders.sums()
+    sums
 }
 
 #[test]
