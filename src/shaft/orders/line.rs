@@ -6,6 +6,7 @@ use super::blocks::LAGS;
 use super::phasor::phasor;
 use super::response::Response;
 use crate::plan::MAX_HARMONICS;
+use crate::unroll::rolled;
 
 /// Sums of one order over the blocks of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,32 +35,13 @@ impl LineSums {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Line {
-    /// c of (2), of the part that goes on and of the one that closes.
-    pub(super) parts: Parts<MAX_HARMONICS>,
     /// b of the last blocks.
     history: [[[f32; 2]; LAGS]; MAX_HARMONICS],
     /// W of the first harmonic of the last blocks.
     weights: [f32; LAGS],
 }
 
-pub(super) const LINE: Line =
-    Line { parts: Parts::EMPTY, history: [[[0.0; 2]; LAGS]; MAX_HARMONICS], weights: [0.0; LAGS] };
-
-/// Sums c of N lines for two parts of blocks, one of which goes on while the other closes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Parts<const N: usize>([[[f32; 2]; N]; 2]);
-
-impl<const N: usize> Parts<N> {
-    pub(super) const EMPTY: Self = Self([[[0.0; 2]; N]; 2]);
-
-    /// Those of the part, `second` or first.
-    #[inline(always)]
-    pub(super) const fn of(&mut self, second: bool) -> &mut [[f32; 2]; N] {
-        let [one, other] = &mut self.0;
-        if second { other } else { one }
-    }
-}
+pub(super) const LINE: Line = Line { history: [[[0.0; 2]; LAGS]; MAX_HARMONICS], weights: [0.0; LAGS] };
 
 /// The last blocks, with which a block is compared.
 #[derive(Clone, Copy, Debug)]
@@ -74,42 +56,42 @@ pub(super) struct Last<'a> {
     pub continues: bool,
 }
 
-impl Line {
-    /// Adds a sample of `y g` at this phase to a part (2).
-    #[inline(always)]
-    pub(super) fn add(&mut self, harmonics: u8, phase: u32, (part, product): (bool, f32)) {
-        let (cos, sin) = phasor(phase);
-        let [first, second, third] = self.parts.of(part);
-        accumulate(first, product, cos, sin);
-        if harmonics < 2 {
-            return;
-        }
-        let twice = sin + sin; // (6)
-        let (cos_2, sin_2) = (1.0 - twice * sin, twice * cos);
-        accumulate(second, product, cos_2, sin_2);
-        if harmonics < 3 {
-            return;
-        }
-        let double = cos_2 + cos_2;
-        accumulate(third, product, (double - 1.0) * cos, (double + 1.0) * sin);
-    }
+/// c of (2) of the harmonics of an order.
+pub(super) type Harmonics = [[f32; 2]; MAX_HARMONICS];
 
+/// Adds a sample of `y g` at this phase (2).
+#[inline(always)]
+pub(super) fn add([first, second, third]: &mut Harmonics, harmonics: u8, phase: u32, product: f32) {
+    let (cos, sin) = phasor(phase);
+    accumulate(first, product, cos, sin);
+    if harmonics < 2 {
+        return;
+    }
+    let twice = sin + sin; // (6)
+    let (cos_2, sin_2) = (1.0 - twice * sin, twice * cos);
+    accumulate(second, product, cos_2, sin_2);
+    if harmonics < 3 {
+        return;
+    }
+    let double = cos_2 + cos_2;
+    accumulate(third, product, (double - 1.0) * cos, (double + 1.0) * sin);
+}
+
+impl Line {
     /// Closes a part of harmonic h in this cell: its products with the last blocks. `response` is that at the mean
     /// speed of the part, `square` its G.
     #[inline(always)]
     pub(super) fn close(
         &mut self,
         sums: &mut LineSums,
-        (h, part): (usize, bool),
-        cell: i32,
-        last: Last<'_>,
-        of: (Response, f32),
+        (h, part): (usize, [f32; 2]),
+        (cell, last): (i32, Last<'_>),
+        (response, square): (Response, f32),
     ) {
-        let (Some(block), Some(history)) = (self.parts.of(part).get_mut(h), self.history.get_mut(h)) else {
+        let Some(history) = self.history.get_mut(h) else {
             return;
         };
-        let (response, square) = of;
-        let ([x, y], w) = (response.correct(core::mem::take(block)), response.power * square); // (3)
+        let ([x, y], w) = (response.correct(part), response.power * square); // (3)
         let (Some(lags), Some(power), Some(total)) =
             (sums.lags.get_mut(h), sums.power.get_mut(h), sums.weight.get_mut(h))
         else {
@@ -120,7 +102,8 @@ impl Line {
         let own_weight = if h == 0 { w } else { 0.0 };
         let [square, pairs @ ..] = &mut sums.pairs;
         *square += own_weight * own_weight;
-        let filled = history.iter().zip(last.cells).zip(&self.weights).take(last.held);
+        let blocks = rolled(history.as_slice()).iter().zip(last.cells).zip(&self.weights);
+        let filled = blocks.take(last.held);
         for ((&[hx, hy], &other), &other_weight) in filled {
             let (real, imaginary) = (x * hx + y * hy, y * hx - x * hy);
             let apart = cell.wrapping_sub(other);

@@ -25,13 +25,14 @@
 //! `cargo xtask measure` prints instructions and state.
 
 use super::blocks::{CONTROLS, LAGS, MIN_BLOCKS, PLACES, Tracking};
-use super::line::{LINE, Last, Line, LineSums, Parts, accumulate};
+use super::line::{self, Harmonics, LINE, Last, Line, LineSums, accumulate};
 use super::noise::Noise;
 use super::phasor::phasor;
 use super::residual::Residual;
 use super::response::Response;
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
+use crate::unroll::rolled;
 
 /// b and W of a control order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,15 +50,43 @@ struct Excited {
     turned: f32,
 }
 
+/// c of (2) for a part of a block.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Passage<P: Plan> {
+    lines: Array<P::Orders, Harmonics>,
+    controls: [[f32; 2]; CONTROLS],
+}
+
+impl<P: Plan> Passage<P> {
+    fn new(plan: P) -> Self {
+        let lines = Cells::filled(plan.layout().orders(), Harmonics::default());
+        Self { lines, controls: [[0.0; 2]; CONTROLS] }
+    }
+
+    fn clear(&mut self) {
+        for line in self.lines.cells_mut() {
+            *line = Harmonics::default();
+        }
+        self.controls = [[0.0; 2]; CONTROLS];
+    }
+}
+
+/// The `second` part, or the first. Hidden from the compiler, which would choose the place of each sum again.
+#[inline(always)]
+fn part<P: Plan>([one, other]: &mut [Passage<P>; 2], second: bool) -> &mut Passage<P> {
+    rolled(if second { other } else { one })
+}
+
 /// Running state.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OrderTracking<P: Plan> {
     lines: Array<P::Orders, Line>,
-    /// c of the control orders.
-    controls: Parts<CONTROLS>,
+    /// The part that goes on and the one that closes, in turns.
+    parts: [Passage<P>; 2],
     /// Whether the part that goes on is the second one.
-    part: bool,
+    second: bool,
     /// b and W of the control orders' parts that have closed.
     open: [Control; CONTROLS],
     excited: Excited,
@@ -121,8 +150,8 @@ impl<P: Plan> OrderTracking<P> {
     pub(in crate::shaft) fn new(plan: P) -> Self {
         Self {
             lines: Cells::filled(plan.layout().orders(), LINE),
-            controls: Parts::EMPTY,
-            part: false,
+            parts: [Passage::new(plan), Passage::new(plan)],
+            second: false,
             open: [Control::default(); CONTROLS],
             excited: Excited::default(),
             excitation: 0.0,
@@ -158,13 +187,13 @@ impl<P: Plan> OrderTracking<P> {
         let square = excitation * excitation;
         self.excited.square += square;
         self.excited.turned += square * turned as f32;
-        let part = self.part;
-        let (mut lines, mut orders) = (self.lines.cells_mut(), tracking.orders.cells());
-        while let ([line, rest @ ..], [order, later @ ..]) = (lines, orders) {
-            line.add(harmonics, phase(order.order_q16, self.turned), (part, product));
+        let part = part(&mut self.parts, self.second);
+        let (mut lines, mut orders) = (part.lines.cells_mut(), tracking.orders.cells());
+        while let ([harmonic, rest @ ..], [order, later @ ..]) = (lines, orders) {
+            line::add(harmonic, harmonics, phase(order.order_q16, self.turned), product);
             (lines, orders) = (rest, later);
         }
-        for (control, order) in self.controls.of(part).iter_mut().zip(tracking.blocks.controls) {
+        for (control, order) in part.controls.iter_mut().zip(tracking.blocks.controls) {
             let (cos, sin) = phasor(phase(order, self.turned));
             accumulate(control, product, cos, sin);
         }
@@ -200,7 +229,7 @@ impl<P: Plan> OrderTracking<P> {
         if ends || reversed {
             let Excited { square, turned } = core::mem::take(&mut self.excited);
             (self.closing_cell, self.closing, self.reverses) = (self.cell, 0, !ends);
-            self.part = !self.part;
+            self.second = !self.second;
             self.closing_square = square;
             self.closing_turned = if square > 0.0 { (turned / square) as i32 } else { 0 };
             if ends {
@@ -224,13 +253,18 @@ impl<P: Plan> OrderTracking<P> {
         let turned = i64::from(self.closing_turned).wrapping_mul(times as i64);
         let response = Response::at(&tracking.blocks, phase(order, turned));
         let of_part = (response, self.closing_square);
-        let held = (self.held as usize).min(LAGS);
-        let last = Last { cells: &self.cells, held, place: self.place_of_block(), continues: self.continues };
-        let lines = (self.lines.cells_mut().get_mut(line), sums.lines.cells_mut().get_mut(line));
-        if let (Some(line), Some(sums)) = lines {
-            line.close(sums, (h, !self.part), self.closing_cell, last, of_part);
-        } else if control < CONTROLS {
-            self.close_control(&mut sums.noise, control, of_part);
+        let (held, place) = ((self.held as usize).min(LAGS), self.place_of_block());
+        let part = part(&mut self.parts, !self.second);
+        if let Some(harmonic) = part.lines.cells_mut().get_mut(line).and_then(|line| line.get_mut(h)) {
+            let last = Last { cells: &self.cells, held, place, continues: self.continues };
+            let sum = core::mem::take(harmonic);
+            let lines = (self.lines.cells_mut().get_mut(line), sums.lines.cells_mut().get_mut(line));
+            if let (Some(line), Some(sums)) = lines {
+                line.close(sums, (h, sum), (self.closing_cell, last), of_part);
+            }
+        } else if let Some(part) = part.controls.get_mut(control) {
+            let part = of_part.0.correct(core::mem::take(part));
+            self.close_control(&mut sums.noise, control, (part, of_part.0.power * of_part.1));
         } else {
             self.keep_block(&mut sums.blocks);
         }
@@ -238,14 +272,10 @@ impl<P: Plan> OrderTracking<P> {
 
     /// Closes the part of a control order, and its block if the cell does not go on.
     #[inline(always)]
-    fn close_control(&mut self, noise: &mut Noise, control: usize, (response, square): (Response, f32)) {
-        let (Some(part), Some(open)) = (self.controls.of(!self.part).get_mut(control), self.open.get_mut(control))
-        else {
-            return;
-        };
-        let [x, y] = response.correct(core::mem::take(part));
+    fn close_control(&mut self, noise: &mut Noise, control: usize, ([x, y], weight): ([f32; 2], f32)) {
+        let Some(open) = self.open.get_mut(control) else { return };
         let [sum_x, sum_y] = open.block;
-        *open = Control { block: [sum_x + x, sum_y + y], weight: open.weight + response.power * square };
+        *open = Control { block: [sum_x + x, sum_y + y], weight: open.weight + weight };
         if !self.reverses {
             let Control { block, weight } = core::mem::take(open);
             noise.add(control, block, weight);
@@ -278,11 +308,10 @@ impl<P: Plan> OrderTracking<P> {
     pub(in crate::shaft) fn next_segment(&mut self, sums: &mut OrderSums<P>) {
         sums.clear();
         // History beyond `held` is not read.
-        for line in self.lines.cells_mut() {
-            line.parts = Parts::EMPTY;
+        for part in &mut self.parts {
+            part.clear();
         }
-        (self.controls, self.open) = (Parts::EMPTY, [Control::default(); CONTROLS]);
-        self.excited = Excited::default();
+        (self.open, self.excited) = ([Control::default(); CONTROLS], Excited::default());
         (self.held, self.continues, self.closing) = (0, false, IDLE);
     }
 
@@ -290,16 +319,16 @@ impl<P: Plan> OrderTracking<P> {
     #[inline(always)]
     pub(in crate::shaft) fn renew(&mut self, sums: &mut OrderSums<P>) {
         self.next_segment(sums);
-        (self.part, self.excitation, self.turned) = (false, 0.0, 0);
+        (self.second, self.excitation, self.turned) = (false, 0.0, 0);
         (self.cell, self.travelled) = (0, 0);
     }
 }
 
-/// The fraction of a turn of (1).
+/// The fraction of a turn of (1); no order is negative.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "takes the fraction of a turn")]
-fn phase(order_q16: i32, turned: i64) -> u32 {
-    (i64::from(order_q16).wrapping_mul(turned) >> 16) as u32
+#[expect(clippy::cast_possible_truncation, reason = "takes the fraction of a turn")]
+const fn phase(order_q16: i32, turned: i64) -> u32 {
+    ((order_q16.cast_unsigned() as u64).wrapping_mul(turned.cast_unsigned()) >> 16) as u32
 }
 
 #[cfg(test)]
