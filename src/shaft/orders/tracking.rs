@@ -13,13 +13,13 @@
 //! ```
 //!
 //! Δ is the angle turned in a sample. The signal that a defect causes in y has passed the filters of the residual, with
-//! the response H at the speed of the shaft. Speed varies little in a block, so that (3), with H at the mean speed of
-//! the block, is the matched filter, and a sample only multiplies y by a phasor. A block is one passage through a cell
-//! of the shaft's angle, 2ⁿ turns wide, or as much motion to and fro within it. Blocks are therefore equal in turns at
-//! any speed and end at the same angles after a reversal, and slip turns the phase of (4) by an angle that depends on d
-//! only. Where the shaft reverses within a cell, its speed changes sign: the part before is closed by itself and kept
-//! as a block that grows by the next part. Products of blocks of backward motion are conjugated. The noise is estimated
-//! from the blocks of the control orders ([`super::noise`]).
+//! the response H at the speed of the shaft. In a part of a block the speed varies little, so that (3), with H at its
+//! mean, is the matched filter, and a sample only multiplies y by a phasor. A block is one passage through a cell of the
+//! shaft's angle, 2ⁿ turns wide, or as much motion to and fro within it. Blocks are therefore equal in turns at any
+//! speed and end at the same angles after a reversal, and slip turns the phase of (4) by an angle that depends on d
+//! only. Where the shaft reverses within a cell, or its speed differs by half from the mean so far, a part ends: (3)
+//! holds for it, and it is kept as a block that grows by the next part. Products of blocks of backward motion are
+//! conjugated. The noise is estimated from the blocks of the control orders ([`super::noise`]).
 //!
 //! After the end of a part, one order and harmonic a sample closes its block, so that the work is distributed.
 //! `cargo xtask measure` prints instructions and state.
@@ -109,7 +109,7 @@ pub struct OrderTracking<P: Plan> {
     closing_cell: i32,
     closing_square: f32,
     closing_turned: i32,
-    reverses: bool,
+    goes_on: bool,
     closing: u8,
 }
 
@@ -145,6 +145,8 @@ impl<P: Plan> OrderSums<P> {
 }
 
 const IDLE: u8 = u8::MAX;
+/// Ratio of speeds, of a sample and of a part's mean, from which a part ends.
+const FASTER: f32 = 1.5;
 
 impl<P: Plan> OrderTracking<P> {
     pub(in crate::shaft) fn new(plan: P) -> Self {
@@ -165,7 +167,7 @@ impl<P: Plan> OrderTracking<P> {
             closing_cell: 0,
             closing_square: 0.0,
             closing_turned: 0,
-            reverses: false,
+            goes_on: false,
             closing: IDLE,
         }
     }
@@ -205,7 +207,9 @@ impl<P: Plan> OrderTracking<P> {
         if excitation != 0.0 {
             self.excitation = excitation;
         }
-        self.watch_cell(tracking.blocks.cell_turns_log2, reversed);
+        let (now, mean) = ((turned as f32).abs() * self.excited.square, self.excited.turned.abs());
+        let changed = excitation != 0.0 && (now > FASTER * mean || mean > FASTER * now);
+        self.watch_cell(tracking.blocks.cell_turns_log2, reversed || changed);
     }
 
     /// Takes the angle turned while there is no residual: blocks before and after a gap keep their phases.
@@ -218,17 +222,17 @@ impl<P: Plan> OrderTracking<P> {
         }
     }
 
-    /// Starts to close the block if the cell has changed, if its width was turned to and fro in it, or if the shaft
-    /// has reversed.
+    /// Starts to close the block if the cell has changed or if its width was turned to and fro in it, and a part of it
+    /// if the speed has changed.
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "the cell is counted modulo 2³², and Δ is an i32")]
-    fn watch_cell(&mut self, cell_turns_log2: i8, reversed: bool) {
+    fn watch_cell(&mut self, cell_turns_log2: i8, changed: bool) {
         let shift = i32::from(cell_turns_log2).wrapping_add(32) & 63;
         let cell = (self.turned >> shift) as i32;
         let ends = cell != self.cell || self.travelled >> shift != 0;
-        if ends || reversed {
+        if ends || changed {
             let Excited { square, turned } = core::mem::take(&mut self.excited);
-            (self.closing_cell, self.closing, self.reverses) = (self.cell, 0, !ends);
+            (self.closing_cell, self.closing, self.goes_on) = (self.cell, 0, !ends);
             self.second = !self.second;
             self.closing_square = square;
             self.closing_turned = if square > 0.0 { (turned / square) as i32 } else { 0 };
@@ -276,7 +280,7 @@ impl<P: Plan> OrderTracking<P> {
         let Some(open) = self.open.get_mut(control) else { return };
         let [sum_x, sum_y] = open.block;
         *open = Control { block: [sum_x + x, sum_y + y], weight: open.weight + weight };
-        if !self.reverses {
+        if !self.goes_on {
             let Control { block, weight } = core::mem::take(open);
             noise.add(control, block, weight);
         }
@@ -300,7 +304,7 @@ impl<P: Plan> OrderTracking<P> {
             self.held = self.held.saturating_add(1).min(PLACES);
             *blocks = blocks.saturating_add(1);
         }
-        (self.continues, self.closing) = (self.reverses, IDLE);
+        (self.continues, self.closing) = (self.goes_on, IDLE);
     }
 
     /// Starts a segment; phases continue.

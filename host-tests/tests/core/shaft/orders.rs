@@ -34,7 +34,7 @@ pub struct Expected {
     pub slip_deviation: f64,
 }
 
-/// A part of a block: the samples of one direction in it.
+/// A part of a block: samples of one direction and about one speed.
 struct Part {
     samples: Range<usize>,
     cell: i64,
@@ -48,21 +48,27 @@ fn parts(path: &Path, cell_turns: f64, items: usize) -> Vec<Part> {
     let width = (cell_turns * TURN) as i64;
     let (mut found, mut cell, mut travelled, mut idle, mut last): (Vec<Part>, _, _, _, _) = (vec![], 0, 0, 0, 0);
     let (mut from, mut direction, mut continues) = (0, 0.0, false);
+    let (mut square, mut way) = (0.0, 0.0);
     for (k, (&turned, &excitation)) in path.turned.iter().zip(&path.excitation).enumerate() {
+        let step = (turned - last) as f64;
+        (square, way) = (square + excitation.powi(2), way + excitation.powi(2) * step);
         travelled += (turned - last).abs();
         last = turned;
         let now = turned.div_euclid(width);
         if k < idle {
             continue;
         }
+        let ratio = step.abs() / (way / square).abs();
+        let faster = excitation != 0.0 && !(1.0 / 1.5..=1.5).contains(&ratio);
         let (ends, reverses) = (now != cell || travelled >= width, direction * excitation < 0.0);
         if excitation != 0.0 {
             direction = excitation;
         }
-        if ends || reverses {
+        if ends || reverses || faster {
             found.push(Part { samples: from..k + 1, cell, continues, ends });
             // One item a sample, then one for the controls each, then one that keeps the block.
             (from, idle, continues) = (k + 1, k + items + CONTROLS + 2, !ends);
+            (square, way) = (0.0, 0.0);
         }
         if ends {
             (cell, travelled) = (now, 0);
