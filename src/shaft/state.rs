@@ -312,7 +312,9 @@ impl<P: Plan> Shaft<P> {
         self.balance.renew(&mut self.sums.balance, &constants.balance, has_load(plan));
         self.orders.renew(&mut self.sums.orders);
         (self.sums.usage, self.sums.travel) = (Usage::default(), TravelSums::default());
-        // The samples that fill the ring replace it, and start filters and travel.
+        // What the ring held is not trusted: a sample that is lost next would be replaced by it.
+        self.ring = [Moment::default(); RING as usize];
+        // Samples that fill the ring start filters and travel.
         (self.filling, self.lost, self.spoilt) = (FILLING, 0, 0);
     }
 }

@@ -311,12 +311,12 @@ impl<P: Plan> OrderTracking<P> {
     #[inline(always)]
     pub(in crate::shaft) fn next_segment(&mut self, sums: &mut OrderSums<P>) {
         sums.clear();
-        // History beyond `held` is not read.
+        // History is written and read from its start; what lies beyond `held` is not read.
         for part in &mut self.parts {
             part.clear();
         }
         (self.open, self.excited) = ([Control::default(); CONTROLS], Excited::default());
-        (self.held, self.continues, self.closing) = (0, false, IDLE);
+        (self.held, self.place, self.continues, self.closing) = (0, 0, false, IDLE);
     }
 
     /// Starts afresh: the phases of the orders may start anywhere.

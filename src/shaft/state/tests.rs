@@ -1,6 +1,6 @@
 use super::*;
 use crate::plan::{Layout, RunTime, RunTimeSample, ShaftLayout, Signal};
-use crate::shaft::{Blocks, ShaftSolve, StateVariable};
+use crate::shaft::{Blocks, ShaftSolve, StateVariable, TrackedOrder};
 use std::vec;
 
 /// Current, velocity, load.
@@ -115,4 +115,33 @@ fn eight_lost_samples_in_a_row_are_bridged_and_nine_are_not() {
         shaft.lose(false);
     }
     assert_eq!((shaft.filling, BRIDGE), (FILLING, 8), "all filters start anew");
+}
+
+#[test]
+fn a_renewed_shaft_is_a_new_one() {
+    let layout = plan().layout();
+    let shaft = layout.shaft.map(|shaft| ShaftLayout { orders: 1, harmonics: 3, ..shaft });
+    let plan = RunTime::of(Layout { shaft, ..layout }).unwrap();
+    let mut constants = constants(1.5);
+    constants.tracking.orders = vec![TrackedOrder::new(3.7, [1.0; 3])];
+    let signal = |k: u32| {
+        let t = f64::from(k) * 0.001;
+        let values = [(3.0 * t).sin(), 30.0 * (4.0 * t).sin(), 0.1 * (9.0 * t).sin()].map(|x| x as f32).to_vec();
+        RunTimeSample {
+            values,
+            angle: Angle::from_radians((7.5 * (1.0 - (4.0 * t).cos())) as f32),
+            ..RunTimeSample::default()
+        }
+    };
+    // The first eight after the renewal are lost, too.
+    let good = |k: u32| k % 535 > 7;
+    let mut renewed = Shaft::new(plan, &constants);
+    (0..3210).for_each(|k| renewed.step(plan, &constants, &signal(k), good(k)));
+    renewed.renew(plan, &constants);
+    let mut new = Shaft::new(plan, &constants);
+    for k in 3210..9000 {
+        renewed.step(plan, &constants, &signal(k), good(k));
+        new.step(plan, &constants, &signal(k), good(k));
+    }
+    assert_eq!(renewed.sums(), new.sums());
 }
