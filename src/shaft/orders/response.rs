@@ -24,7 +24,7 @@ pub(super) struct Response {
 
 impl Response {
     /// At a turn of θ a sample, counts of 2⁻³² turn.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn at(blocks: &Blocks, turned: u32) -> Self {
         let Blocks { pole, high_pass, .. } = *blocks;
         let (c, s) = phasor((turned.cast_signed() >> 1).cast_unsigned());

@@ -308,7 +308,7 @@ impl<P: Plan> OrderTracking<P> {
     }
 
     /// Starts a segment; phases continue.
-    #[inline(always)]
+    #[inline(never)]
     pub(in crate::shaft) fn next_segment(&mut self, sums: &mut OrderSums<P>) {
         sums.clear();
         // History is written and read from its start; what lies beyond `held` is not read.
