@@ -73,7 +73,7 @@ mod tests {
                 }
                 let (cos, sin) = ((theta * f64::from(last)).cos(), (theta * f64::from(last)).sin());
                 let h = [now[0] * cos + now[1] * sin, now[1] * cos - now[0] * sin];
-                let response = Response::at(&blocks, ((turns * 4_294_967_296.0) as i64) as u32);
+                let response = Response::at(&blocks, ((turns * 4_294_967_296.0) as i32).cast_unsigned());
                 let size = h[0].hypot(h[1]);
                 let [re, im] = response.conjugate.map(f64::from);
                 let error = (re - h[0]).hypot(im + h[1]) / size;

@@ -127,11 +127,7 @@ fn a_renewed_shaft_is_a_new_one() {
     let signal = |k: u32| {
         let t = f64::from(k) * 0.001;
         let values = [(3.0 * t).sin(), 30.0 * (4.0 * t).sin(), 0.1 * (9.0 * t).sin()].map(|x| x as f32).to_vec();
-        RunTimeSample {
-            values,
-            angle: Angle::from_radians((7.5 * (1.0 - (4.0 * t).cos())) as f32),
-            ..RunTimeSample::default()
-        }
+        RunTimeSample { values, angle: Angle::from_radians((7.5 * (1.0 - (4.0 * t).cos())) as f32) }
     };
     // The first eight after the renewal are lost, too.
     let good = |k: u32| k % 535 > 7;
