@@ -93,7 +93,7 @@ fn what_is_not_usable_is_refused() {
     refuse(dir, "cogging little.csv", &["the shaft makes 0.0 turns", "at least 10 turns"]);
     // Each record of this set is a drive of its own, with phases of its own.
     succeed(dir, "simulate --class healthy --condition cogging --count 6 --seed 5 --out drives");
-    refuse(dir, "cogging drives", &["the angle is not absolute: the line of order"]);
+    refuse(dir, "cogging drives", &["the angle is not absolute, or the drives differ: the line of order"]);
     succeed(dir, "simulate --class healthy --condition duty-one-way --count 3 --seed 5 --out one");
     refuse(dir, "cogging one", &["forward", "in each direction"]);
 }

@@ -56,8 +56,9 @@ pub(super) fn absolute(order: u32, waves: &[(&str, Wave)]) -> Result<(), Error> 
     }
     let phases = seen.iter().take(3).map(|(id, wave)| format!("{:.0}° in {id}", wave.phase_rad().to_degrees()));
     Err(Error::Usage(format!(
-        "the angle is not absolute: the line of order {order} has the phase {}; record the angle of the resolver or of \
-         an encoder with index, not one that starts at zero",
+        "the angle is not absolute, or the drives differ: the line of order {order} has the phase {}; give \
+         recordings of one drive, with the angle of its resolver or of an encoder with index, not one that starts at \
+         zero",
         phases.collect::<Vec<_>>().join(", ")
     )))
 }
