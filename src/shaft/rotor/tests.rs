@@ -132,7 +132,9 @@ fn changes_are_told_apart() {
 #[test]
 fn of_slips_that_explain_the_same_the_smallest_is_returned() {
     let before = [line(6, 0.06, 1.0), line(12, 0.12, 3.0)];
-    for (degrees, expected) in [(7.0_f32, 7.0_f32), (67.0, 7.0), (-175.0, 5.0)] {
+    for (degrees, expected) in
+        [(7.0_f32, 7.0_f32), (67.0, 7.0), (-175.0, 5.0), (-7.0, -7.0), (53.0, -7.0), (173.0, -7.0)]
+    {
         let now = slipped(&before, degrees.to_radians());
         let change = RotorChange::between(&before, &now, &RotorLimits::USUAL);
         let RotorChange::Slipped { angle_rad, .. } = change else { panic!("{degrees}: {change:?}") };
