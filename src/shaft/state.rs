@@ -309,9 +309,9 @@ impl<P: Plan> Shaft<P> {
     /// Starts afresh as if nothing had been sampled, in place: a new one would be moved.
     #[inline(always)]
     pub fn renew(&mut self, plan: P, constants: &ShaftConstants<P>) {
-        self.balance.renew(&mut self.sums.balance, &constants.balance, has_load(plan));
-        self.orders.renew(&mut self.sums.orders);
-        (self.sums.usage, self.sums.travel) = (Usage::default(), TravelSums::default());
+        self.next_segment(plan, constants);
+        self.balance.renew(&constants.balance);
+        self.orders.renew();
         // What the ring held is not trusted: a sample that is lost next would be replaced by it.
         self.ring = [Moment::default(); RING as usize];
         // Samples that fill the ring start filters and travel.

@@ -175,7 +175,7 @@ impl BalanceSums {
     const EMPTY: Self =
         Self { d: [0.0; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 };
 
-    /// Then holds the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
+    /// Keeps the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
     #[inline(never)]
     fn clear(&mut self, balance: &Balance, load: bool) {
         *self = Self::EMPTY;
@@ -397,10 +397,9 @@ impl BalanceState {
         (self.left, self.refresh) = (0, ROWS_A_REFRESH);
     }
 
-    /// Starts afresh, with the nominal parameters.
+    /// Lets a new segment start afresh, with the nominal parameters.
     #[inline(always)]
-    pub(in crate::shaft) fn renew(&mut self, sums: &mut BalanceSums, balance: &Balance, load: bool) {
-        self.next_segment(sums, balance, load);
+    pub(in crate::shaft) const fn renew(&mut self, balance: &Balance) {
         (self.due, self.present) = (0, balance.nominal);
     }
 }

@@ -4,7 +4,6 @@
 
 use super::blocks::LAGS;
 use super::phasor::phasor;
-use super::response::Response;
 use crate::plan::MAX_HARMONICS;
 use crate::unroll::rolled;
 
@@ -78,20 +77,18 @@ pub(super) fn add([first, second, third]: &mut Harmonics, harmonics: u8, phase: 
 }
 
 impl Line {
-    /// Closes a part of harmonic h in this cell: its products with the last blocks. `response` is that at the mean
-    /// speed of the part, `square` its G.
+    /// Closes a part of harmonic h, b and W, in this cell: its products with the last blocks.
     #[inline(always)]
     pub(super) fn close(
         &mut self,
         sums: &mut LineSums,
-        (h, part): (usize, [f32; 2]),
+        h: usize,
+        ([x, y], w): ([f32; 2], f32),
         (cell, last): (i32, Last<'_>),
-        (response, square): (Response, f32),
     ) {
         let Some(history) = self.history.get_mut(h) else {
             return;
         };
-        let ([x, y], w) = (response.correct(part), response.power * square); // (3)
         let (Some(lags), Some(power), Some(total)) =
             (sums.lags.get_mut(h), sums.power.get_mut(h), sums.weight.get_mut(h))
         else {

@@ -14,10 +14,10 @@
 //!
 //! Δ is the angle turned in a sample. The signal that a defect causes in y has passed the filters of the residual, with
 //! the response H at the speed of the shaft. In a part of a block the speed varies little, so that (3), with H at its
-//! mean, is the matched filter, and a sample only multiplies y by a phasor. A block is one passage through a cell of the
-//! shaft's angle, 2ⁿ turns wide, or as much motion to and fro within it. Blocks are therefore equal in turns at any
-//! speed and end at the same angles after a reversal, and slip turns the phase of (4) by an angle that depends on d
-//! only. Where the shaft reverses within a cell, or its speed differs by half from the mean so far, a part ends: (3)
+//! mean, is the matched filter, and a sample only multiplies y by a phasor. A block is one passage through a cell of
+//! the shaft's angle, 2ⁿ turns wide, or as much motion to and fro within it. Blocks are therefore equal in turns at
+//! any speed and end at the same angles after a reversal, and slip turns the phase of (4) by an angle that depends on
+//! d only. Where the shaft reverses within a cell, or its speed differs by half from the mean so far, a part ends: (3)
 //! holds for it, and it is kept as a block that grows by the next part. Products of blocks of backward motion are
 //! conjugated. The noise is estimated from the blocks of the control orders ([`super::noise`]).
 //!
@@ -256,19 +256,19 @@ impl<P: Plan> OrderTracking<P> {
         };
         let turned = i64::from(self.closing_turned).wrapping_mul(times as i64);
         let response = Response::at(&tracking.blocks, phase(order, turned));
-        let of_part = (response, self.closing_square);
+        let weight = response.power * self.closing_square; // (3)
         let (held, place) = ((self.held as usize).min(LAGS), self.place_of_block());
         let part = part(&mut self.parts, !self.second);
-        if let Some(harmonic) = part.lines.cells_mut().get_mut(line).and_then(|line| line.get_mut(h)) {
+        if let Some(sum) = part.lines.cells_mut().get_mut(line).and_then(|line| line.get_mut(h)) {
+            let block = response.correct(core::mem::take(sum));
             let last = Last { cells: &self.cells, held, place, continues: self.continues };
-            let sum = core::mem::take(harmonic);
             let lines = (self.lines.cells_mut().get_mut(line), sums.lines.cells_mut().get_mut(line));
             if let (Some(line), Some(sums)) = lines {
-                line.close(sums, (h, sum), (self.closing_cell, last), of_part);
+                line.close(sums, h, (block, weight), (self.closing_cell, last));
             }
-        } else if let Some(part) = part.controls.get_mut(control) {
-            let part = of_part.0.correct(core::mem::take(part));
-            self.close_control(&mut sums.noise, control, (part, of_part.0.power * of_part.1));
+        } else if let Some(sum) = part.controls.get_mut(control) {
+            let block = response.correct(core::mem::take(sum));
+            self.close_control(&mut sums.noise, control, (block, weight));
         } else {
             self.keep_block(&mut sums.blocks);
         }
@@ -319,10 +319,9 @@ impl<P: Plan> OrderTracking<P> {
         (self.held, self.place, self.continues, self.closing) = (0, 0, false, IDLE);
     }
 
-    /// Starts afresh: the phases of the orders may start anywhere.
+    /// Lets a new segment start afresh: the phases of the orders may start anywhere.
     #[inline(always)]
-    pub(in crate::shaft) fn renew(&mut self, sums: &mut OrderSums<P>) {
-        self.next_segment(sums);
+    pub(in crate::shaft) const fn renew(&mut self) {
         (self.second, self.excitation, self.turned) = (false, 0.0, 0);
         (self.cell, self.travelled) = (0, 0);
     }
