@@ -1032,8 +1032,8 @@ BwCode bw_limit_silence(struct BwState *state, uint32_t segments, float hours);
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
 BwCode bw_end_run(struct BwState *state);
 
-// Denies the alarm, because the bearing was inspected and is sound: scores start afresh, and what raised the alarm must
-// be 1.5 times as large to raise the next one, for three alarms at most. `BW_CODE_IDLE` without an alarm.
+// Denies the alarm, because the bearing was inspected and is sound: scores start afresh, and what raised the alarm
+// must be 1.5 times as large to raise the next one, for three alarms at most. `BW_CODE_IDLE` without an alarm.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.

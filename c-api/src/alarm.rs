@@ -140,8 +140,8 @@ pub unsafe extern "C" fn bw_end_run(state: *mut BwState) -> BwCode {
     code(ended.map(|_| BwCode::Ok))
 }
 
-/// Denies the alarm, because the bearing was inspected and is sound: scores start afresh, and what raised the alarm must
-/// be 1.5 times as large to raise the next one, for three alarms at most. `BW_CODE_IDLE` without an alarm.
+/// Denies the alarm, because the bearing was inspected and is sound: scores start afresh, and what raised the alarm
+/// must be 1.5 times as large to raise the next one, for three alarms at most. `BW_CODE_IDLE` without an alarm.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes.

@@ -36,9 +36,9 @@ pub fn export(prefix: &str, library: &Path) -> Result<PathBuf> {
 
 /// All global symbols are those of the interface.
 pub fn check(library: &Path) -> Result<()> {
-    let (own, others): (Vec<_>, Vec<_>) =
+    let (functions, others): (Vec<_>, Vec<_>) =
         elf::global_symbols(library)?.into_iter().partition(|name| name.starts_with("bw_"));
-    ensure!(own.iter().any(|name| name == "bw_init"), "no bw_init among {own:?}");
+    ensure!(functions.iter().any(|name| name == "bw_init"), "no bw_init among {functions:?}");
     ensure!(others.is_empty(), "it defines {}", others.join(", "));
     Ok(())
 }

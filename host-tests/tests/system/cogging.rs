@@ -45,13 +45,13 @@ fn recorded_with(
     unit: u32,
     (magnetics, first, slip_rad): (Magnetics, u64, f64),
 ) -> Vec<Residual> {
-    let each = |k: u64| {
+    let record = |k: u64| {
         let seed = (u64::from(unit) << 20) + first + k;
         let mut trace = simulate(&scenario(unit, magnetics, seed), seed).expect("valid");
         trace.angle_rad.iter_mut().for_each(|angle| *angle += slip_rad);
         trace
     };
-    let traces: Vec<RigTrace> = (0..RECORDS).map(each).collect();
+    let traces: Vec<RigTrace> = (0..RECORDS).map(record).collect();
     let recordings: Vec<Recording<'_>> = traces.iter().map(recording).collect();
     let settings = MotorSettings { torque_constant_nm_a, ..MotorSettings::default() };
     residuals(&recordings, &settings).expect("rich signals")
@@ -107,8 +107,8 @@ fn the_torques_of_the_rig_come_back_within_their_intervals() {
         assert!(others <= 1, "{unit}: {others}");
         // Ripple is seen where it is large.
         for (order, [c, d]) in ORDERS.into_iter().zip(truth.ripple) {
-            let found = lines.lines.iter().find(|line| line.order == order).and_then(|line| line.ripple);
-            if let Some(wave) = found {
+            let ripple = lines.lines.iter().find(|line| line.order == order).and_then(|line| line.ripple);
+            if let Some(wave) = ripple {
                 let error = (wave.value.x - c).hypot(wave.value.y - d);
                 // 1 % of two deviations: 3.03.
                 assert!(error < 3.1 * wave.deviation() + 0.1 * c.hypot(d), "{unit} {order}: {wave:?} {c} {d}");
@@ -122,7 +122,7 @@ fn the_torques_of_the_rig_come_back_within_their_intervals() {
 /// What two sets of recordings of a drive, whose torque constant is known, say has changed.
 fn changed(unit: u32, magnetics: Magnetics, slip_rad: f64) -> RotorChange {
     let settings = LinesSettings { highest_order: 36, ..LinesSettings::default() };
-    let of = |own| recorded_with(Some(Scenario::STANDARD.motor.kt_nm_per_a), unit, own);
+    let of = |effects| recorded_with(Some(Scenario::STANDARD.motor.kt_nm_per_a), unit, effects);
     let sets = [of((Magnetics::FIELD, 0, 0.0)), of((magnetics, 1000, slip_rad))];
     let [before, now] = sets.each_ref().map(|set| fit(set, &settings).expect("usable"));
     since((&sets[0], &before), (&sets[1], &now)).expect("determined")
@@ -162,7 +162,8 @@ fn healthy_drives_are_called_unchanged() {
 /// The lines of a shaft in the core's tests, with their phases.
 const LINES: [(u16, f64, f64); 4] = [(1, 0.12, 0.4), (2, 0.06, -2.0), (6, 0.06, 1.0), (12, 0.12, 3.0)];
 
-/// Angles, residuals and velocities of a shaft that turns back and forth, in noise of which the last sample leaves half.
+/// Angles, residuals and velocities of a shaft that turns back and forth. Each sample keeps half of the noise of the one
+/// before.
 fn stream(seed: u64, unbalance: f64, slip_rad: f64) -> Vec<[f64; 3]> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut angle, mut noise) = (0.7, 0.0);
@@ -286,9 +287,9 @@ fn floor_mnm(condition: &str, change: fn(Recorded) -> Recorded) -> f64 {
         let keep = |recorded| Ok(labelled(change(recorded), 0));
         map_traces(&Scenario::WITH_RESOLVER, &[cell], count, keep).expect("valid")
     };
-    let own = recipe::recipe(&row.trained, &["order_outer".into()]);
+    let chosen = recipe::recipe(&row.trained, &["order_outer".into()]);
     let training = records(row.training(0, Defect::HEALTHY), 150);
-    let detector = train(&training, &["healthy".into()], &own).expect("rich signals").embed().expect("valid");
+    let detector = train(&training, &["healthy".into()], &chosen).expect("rich signals").embed().expect("valid");
     let held_out = records(row.validation(0, Defect::HEALTHY), 60);
     let orders: Vec<(f64, f64)> = held_out
         .par_iter()
@@ -300,7 +301,9 @@ fn floor_mnm(condition: &str, change: fn(Recorded) -> Recorded) -> f64 {
         .collect();
     let mean = |of: fn(&(f64, f64)) -> f64| orders.iter().map(of).sum::<f64>() / orders.len() as f64;
     // As in the table of the bounds: the prominence is the noise at the order relative to that of the control orders.
-    1e3 * Scenario::STANDARD.motor.kt_nm_per_a * mean(|own| own.0).max(1.0).sqrt() * mean(|own| own.1 * own.1).sqrt()
+    1e3 * Scenario::STANDARD.motor.kt_nm_per_a
+        * mean(|order| order.0).max(1.0).sqrt()
+        * mean(|order| order.1 * order.1).sqrt()
 }
 
 /// What the removal of a perfect map would gain at the bearing's order.
@@ -308,7 +311,7 @@ fn floor_mnm(condition: &str, change: fn(Recorded) -> Recorded) -> f64 {
 #[ignore = "a minute"]
 fn a_perfect_map_would_lower_the_noise_at_the_bearings_order_by_little() {
     let [without, with, after] =
-        [floor_mnm("mix", |own| own), floor_mnm("cogging", |own| own), floor_mnm("cogging", removed)];
+        [floor_mnm("mix", |trace| trace), floor_mnm("cogging", |trace| trace), floor_mnm("cogging", removed)];
     println!(
         "| noise at the outer race's order, mN·m | without cogging {without:.3} | with {with:.3} | map removed {after:.3} |"
     );

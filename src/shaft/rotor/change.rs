@@ -170,8 +170,8 @@ impl Terms {
                 }
             }
             (older, old) = (old, likeness);
-            for ((own, step), _) in pairs(pairs(&mut turned, &steps), self.used()) {
-                *own = times(*own, *step);
+            for ((product, step), _) in pairs(pairs(&mut turned, &steps), self.used()) {
+                *product = times(*product, *step);
             }
             step = step.saturating_add(1);
         }

@@ -13,9 +13,9 @@ fn line(order: u16, amplitude_a: f32, phase_rad: f32) -> RotorLine {
 
 /// These lines at angles that are `slip_rad` more than before.
 fn slipped(lines: &[RotorLine], slip_rad: f32) -> std::vec::Vec<RotorLine> {
-    let turn = |own: &RotorLine| {
-        let phase_rad = own.phase_rad() + f32::from(own.order) * slip_rad;
-        line(own.order, own.amplitude_a(), phase_rad)
+    let turn = |line_before: &RotorLine| {
+        let phase_rad = line_before.phase_rad() + f32::from(line_before.order) * slip_rad;
+        line(line_before.order, line_before.amplitude_a(), phase_rad)
     };
     lines.iter().map(turn).collect()
 }
@@ -37,9 +37,9 @@ fn learned<const BINS: usize>(turns: u32, residual_a: impl Fn(Angle, f32) -> f32
 #[test]
 fn a_line_is_that_of_the_residual_without_friction() {
     let map = learned::<96>(3, |angle, sign| 0.1 * (12.0 * angle.radians() - 1.0).cos() + 0.3 * sign + 0.05);
-    let own = map.line(12).expect("all bins are passed");
+    let learned = map.line(12).expect("all bins are passed");
     // A bin is not passed at the same seven places in each turn: an eighth of a sample of its 7 is off by 0.1 · 0.1.
-    assert!((own.amplitude_a() - 0.1).abs() < 1e-3 && (own.phase_rad() - 1.0).abs() < 0.02, "{own:?}");
+    assert!((learned.amplitude_a() - 0.1).abs() < 1e-3 && (learned.phase_rad() - 1.0).abs() < 0.02, "{learned:?}");
     for order in [1, 5, 24] {
         assert!(map.line(order).expect("all bins").amplitude_a() < 1e-3, "{order}");
     }

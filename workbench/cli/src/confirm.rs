@@ -11,8 +11,8 @@ use traces::read_labels;
 /// File an alarm as false or true: label its recordings for the next training
 ///
 /// After a false alarm, train again with these recordings as healthy: the healthy class then contains them. In the
-/// drive, deny the alarm by Monitor::deny, bw_deny or Detector.deny. What raised it must then be larger to raise the next
-/// one; after three denied alarms this stays as it is, so that no growing defect is hidden.
+/// drive, deny the alarm by Monitor::deny, bw_deny or Detector.deny. What raised it must then be larger to raise the
+/// next one; after three denied alarms this stays as it is, so that no growing defect is hidden.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  bearing-watch confirm --false --labels labels.csv --set session=7 june/*.csv\n  \
                   bearing-watch confirm --true outer --labels labels.csv --set session=7 june/*.csv")]

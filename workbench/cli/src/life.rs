@@ -28,8 +28,8 @@ impl Life {
         // A geometry alone was given for the bearing orders.
         let trained = notes.drive().and_then(|text| DriveFile::of(Path::new("drive.toml"), text.into()).ok());
         let trained = trained.filter(|drive| drive.settings.bearing.is_loaded());
-        let own = settings.clone();
-        let all = trained.map_or_else(|| own.clone(), |drive| own.clone().over(drive.settings));
+        let given = settings.clone();
+        let all = trained.map_or_else(|| given.clone(), |drive| given.clone().over(drive.settings));
         Ok(match all.life(&notes.channels)? {
             WantedLife::None => Self::None,
             WantedLife::Lacks(words) => Self::Lacks(words),

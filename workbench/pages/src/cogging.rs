@@ -40,7 +40,7 @@ pub fn cells(line: &Line, torque_constant_nm_a: f64) -> Vec<String> {
 /// The page: what was found, the map over one turn, and the lines; `change` says what differs from earlier recordings.
 #[must_use]
 pub fn page(lines: &Lines, lead: &str, change: Option<&str>) -> Page {
-    let found = match lines.lines.as_slice() {
+    let conclusion = match lines.lines.as_slice() {
         [] => "No line stands out.".to_owned(),
         all => {
             let orders: Vec<String> = all.iter().map(|line| line.order.to_string()).collect();
@@ -50,14 +50,14 @@ pub fn page(lines: &Lines, lead: &str, change: Option<&str>) -> Page {
     let changed = change.map_or_else(String::new, |change| format!(" Since the earlier recordings: {change}."));
     let rows: Vec<Vec<String>> = lines.lines.iter().map(|line| cells(line, lines.torque_constant_nm_a)).collect();
     Page::new("What turns with the rotor")
-        .conclusion(found + &changed)
+        .conclusion(conclusion + &changed)
         .lead(lead)
         .section("Map", &over_a_turn(lines))
         .section("Lines", &(amplitudes(lines) + &table(&HEADER, &rows)))
 }
 
-fn over_a_turn(found: &Lines) -> String {
-    let points = map(found, POINTS);
+fn over_a_turn(rotor: &Lines) -> String {
+    let points = map(rotor, POINTS);
     let degrees = |angle_rad: f64| 360.0 * angle_rad / TAU;
     let line = points.iter().map(|point| (degrees(point.angle_rad), point.current_a));
     let band = points.iter().map(|point| {
@@ -68,8 +68,8 @@ fn over_a_turn(found: &Lines) -> String {
     or_reason(lines("Current against cogging and unbalance", "angle of the shaft / °", "current / A", &series))
 }
 
-fn amplitudes(found: &Lines) -> String {
-    let waves = || found.lines.iter().filter_map(|line| Some((f64::from(line.order), line.torque_nm?)));
+fn amplitudes(rotor: &Lines) -> String {
+    let waves = || rotor.lines.iter().filter_map(|line| Some((f64::from(line.order), line.torque_nm?)));
     let points = waves().map(|(order, wave)| (order, 1e3 * wave.amplitude()));
     let band = waves().map(|(order, wave)| {
         let (middle, half) = (1e3 * wave.amplitude(), 1e3 * wave.amplitude_interval());

@@ -46,7 +46,7 @@ struct Part {
 /// All parts that have closed at the end of the record.
 fn parts(path: &Path, cell_turns: f64, items: usize) -> Vec<Part> {
     let width = (cell_turns * TURN) as i64;
-    let (mut found, mut cell, mut travelled, mut idle, mut last): (Vec<Part>, _, _, _, _) = (vec![], 0, 0, 0, 0);
+    let (mut parts, mut cell, mut travelled, mut idle, mut last): (Vec<Part>, _, _, _, _) = (vec![], 0, 0, 0, 0);
     let (mut from, mut direction, mut continues) = (0, 0.0, false);
     let (mut square, mut way) = (0.0, 0.0);
     for (k, (&turned, &excitation)) in path.turned.iter().zip(&path.excitation).enumerate() {
@@ -65,7 +65,7 @@ fn parts(path: &Path, cell_turns: f64, items: usize) -> Vec<Part> {
             direction = excitation;
         }
         if ends || reverses || faster {
-            found.push(Part { samples: from..k + 1, cell, continues, ends });
+            parts.push(Part { samples: from..k + 1, cell, continues, ends });
             // One item a sample, then one for the controls each, then one that keeps the block.
             (from, idle, continues) = (k + 1, k + items + CONTROLS + 2, !ends);
             (square, way) = (0.0, 0.0);
@@ -74,7 +74,7 @@ fn parts(path: &Path, cell_turns: f64, items: usize) -> Vec<Part> {
             (cell, travelled) = (now, 0);
         }
     }
-    found
+    parts
 }
 
 /// The response of the residual's filter at an angle of θ a sample.
@@ -84,7 +84,7 @@ fn response(pole: f64, high_pass: f64, theta: f64) -> Complex<f64> {
     high / (1.0 - z * pole)
 }
 
-/// b and W of the parts that have closed `after` so many samples after their end.
+/// b and W of the parts that close `after` samples after their last one, within the record.
 fn blocks(
     path: &Path,
     (order, pole, high_pass): (f64, f64, f64),
@@ -112,17 +112,17 @@ fn blocks(
 
 /// Whole blocks: the parts of each together.
 fn whole(parts: &[Part], of_parts: &[(Complex<f64>, f64)]) -> Vec<(Complex<f64>, f64)> {
-    let mut found: Vec<(Complex<f64>, f64)> = vec![];
+    let mut blocks: Vec<(Complex<f64>, f64)> = vec![];
     for (part, &(b, w)) in parts.iter().zip(of_parts) {
-        match found.last_mut() {
+        match blocks.last_mut() {
             Some((sum, weight)) if part.continues => (*sum, *weight) = (*sum + b, *weight + w),
-            _ => found.push((b, w)),
+            _ => blocks.push((b, w)),
         }
     }
     if of_parts.len().checked_sub(1).is_some_and(|last| !parts[last].ends) {
-        found.pop();
+        blocks.pop();
     }
-    found
+    blocks
 }
 
 /// Sums of one harmonic: R(h, d), V(d), Σ W.

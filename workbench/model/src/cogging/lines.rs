@@ -81,14 +81,14 @@ pub fn fit(residuals: &[Residual], settings: &LinesSettings) -> Result<Lines, Er
         let waves = waves(residuals, &[(order, Part::Torque), (order, Part::Ripple)])?.0;
         Some(waves.into_iter().filter(|(_, wave)| wave.significance() > limit).collect::<Vec<_>>())
     };
-    let found: Vec<(Pair, Wave)> = orders.par_iter().filter_map(alone).flatten().collect();
+    let significant: Vec<(Pair, Wave)> = orders.par_iter().filter_map(alone).flatten().collect();
     // In short recordings a strong order leaks into others, so only the strongest one tells the zero of the angle.
     let of_each: Vec<(u32, Vec<(&str, Wave)>)> =
         orders.par_iter().map(|&order| (order, in_each(residuals, order))).collect();
     let strength = |waves: &[(&str, Wave)]| waves.iter().map(|(_, wave)| wave.significance()).sum::<f64>();
     let strongest = of_each.iter().max_by(|(_, one), (_, other)| strength(one).total_cmp(&strength(other)));
     strongest.map_or(Ok(()), |(order, waves)| usable::absolute(*order, waves))?;
-    let mut pairs: Vec<Pair> = found.into_iter().map(|(pair, _)| pair).collect();
+    let mut pairs: Vec<Pair> = significant.into_iter().map(|(pair, _)| pair).collect();
     loop {
         let (all, left) = waves(residuals, &pairs).unwrap_or_default();
         let kept: Vec<Pair> =
@@ -150,7 +150,7 @@ fn collected(residuals: &[Residual], all: &[(Pair, Wave)], (turns, left): ([f64;
     let mut orders: Vec<u32> = all.iter().map(|((order, _), _)| *order).collect();
     orders.sort_unstable();
     orders.dedup();
-    let of = |pair: Pair| all.iter().find(|(own, _)| *own == pair).map(|(_, wave)| *wave);
+    let of = |pair: Pair| all.iter().find(|(other, _)| *other == pair).map(|(_, wave)| *wave);
     let line = |&order: &u32| Line { order, torque_nm: of((order, Part::Torque)), ripple: of((order, Part::Ripple)) };
     let y = stacked(residuals, |residual| residual.rows_nm().to_vec());
     let constants = residuals.iter().map(|residual| residual.torque_constant_nm_a);

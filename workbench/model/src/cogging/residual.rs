@@ -70,7 +70,7 @@ pub fn residuals(recordings: &[Recording<'_>], settings: &MotorSettings) -> Resu
         recordings.par_iter().map(estimate).collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
     let drive = Drive::of(&constants, settings);
     let both: Vec<_> = recordings.iter().zip(constants).collect();
-    Ok(both.into_par_iter().map(|(recording, own)| Residual::of(recording, own, &drive, settings)).collect())
+    Ok(both.into_par_iter().map(|(recording, motor)| Residual::of(recording, motor, &drive, settings)).collect())
 }
 
 /// The constants of the drive.
@@ -85,7 +85,7 @@ struct Drive {
 impl Drive {
     fn of(constants: &[GreyBox], settings: &MotorSettings) -> Self {
         let mean = |name: &str| {
-            let all = || constants.iter().filter_map(|own| own.get(name));
+            let all = || constants.iter().filter_map(|box_of_one| box_of_one.get(name));
             let weights: f64 = all().map(|quantity| quantity.sd.powi(-2)).sum();
             let sum: f64 = all().map(|quantity| quantity.value * quantity.sd.powi(-2)).sum();
             (weights > 0.0).then(|| sum / weights).filter(|mean| mean.is_finite())
@@ -107,12 +107,13 @@ impl Residual {
         let lag = drive.lag_s.map_or(0.0, |lag| (lag / interval_s).clamp(-farthest, farthest));
         let late = |x: &[f64]| delayed(x, lag);
         let (velocity, reference) = (late(record.velocity_rad_s), late(record.velocity_ref_rad_s));
-        let direction: Vec<f64> = reference.iter().map(|own| (own / settings.direction_rad_s).tanh()).collect();
+        let direction: Vec<f64> =
+            reference.iter().map(|velocity| (velocity / settings.direction_rad_s).tanh()).collect();
         let load = match record.load {
             Load::Measured(load) => late(load),
             Load::Constant | Load::Absent => vec![],
         };
-        let torque_nm: Vec<f64> = record.current_a.iter().map(|own| drive.torque_constant_nm_a * own).collect();
+        let torque_nm: Vec<f64> = record.current_a.iter().map(|current| drive.torque_constant_nm_a * current).collect();
         let filter = LowPass::butterworth(1, CUTOFF);
         let count = torque_nm.len().min(velocity.len()).min(direction.len());
         let load_at = |k: usize| load.get(k).copied().unwrap_or(0.0);
@@ -181,13 +182,14 @@ fn rows(x: &[f64]) -> impl Iterator<Item = f64> + '_ {
     x.iter().take(last).skip(2 * SETTLED).step_by(STEP).copied()
 }
 
-/// A signal later by so many samples, by cubic interpolation (Catmull and Rom); at the ends, the values there.
+/// The signal `x`, delayed by this number of samples, by cubic interpolation (Catmull and Rom). Beyond an end, the
+/// signal keeps its value there.
 fn delayed(x: &[f64], samples: f64) -> Vec<f64> {
     let whole = samples.floor();
     let (back, part) = (whole as i64, samples - whole);
     let last = x.len() as i64 - 1;
     let at = |place: i64| x[place.clamp(0, last) as usize];
-    let each = |k: i64| {
+    let value = |k: i64| {
         // From the sample after the instant back to that before it.
         let [a, b, c, d] = [1, 0, -1, -2].map(|step| at(k - back + step));
         let slopes = [0.5 * (c - a), 0.5 * (d - b)];
@@ -197,7 +199,7 @@ fn delayed(x: &[f64], samples: f64) -> Vec<f64> {
             + c * (3.0 * square - 2.0 * cube)
             + slopes[1] * (cube - square)
     };
-    (0..=last).map(each).collect()
+    (0..=last).map(value).collect()
 }
 
 #[cfg(test)]

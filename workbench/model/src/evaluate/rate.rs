@@ -77,7 +77,7 @@ impl Rate {
         Self::wilson_of(p * effective, effective)
     }
 
-    /// A rate whose variance is known from groups, of which there are so many. Groups that differ in nothing have no
+    /// A rate with this variance, which was estimated from this number of groups. Groups that differ in nothing have no
     /// variance: then it is that of as many decisions as there are groups.
     pub(super) fn of_variance(value: f64, variance: f64, groups: f64) -> Self {
         let student = StudentsT::new(0.0, 1.0, groups - 1.0);

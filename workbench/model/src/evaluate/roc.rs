@@ -52,9 +52,9 @@ impl Areas {
     pub fn of(scored: &[Scored]) -> Self {
         let mut by_unit = BTreeMap::<usize, Vec<Scored>>::new();
         scored.iter().for_each(|one| by_unit.entry(one.unit).or_default().push(*one));
-        let (both, single): (Vec<_>, Vec<_>) = by_unit.into_iter().partition(|(_, own)| counts(own).is_some());
+        let (both, single): (Vec<_>, Vec<_>) = by_unit.into_iter().partition(|(_, scored)| counts(scored).is_some());
         Self {
-            within: within(&both.iter().filter_map(|(_, own)| area(own)).collect::<Vec<_>>()),
+            within: within(&both.iter().filter_map(|(_, scored)| area(scored)).collect::<Vec<_>>()),
             pooled: pooled(scored),
             units: both.len(),
             of_one_class: single.into_iter().map(|(unit, _)| unit).collect(),
@@ -141,10 +141,10 @@ mod tests {
         let all = scored(0, &[2.5, 3.0, 4.0], &[2.0, 3.0, 5.0]);
         let parts = parts(&all, (3.0, 3.0));
         assert_eq!(parts.iter().map(|part| (6.0 * part).round() as i32).collect::<Vec<_>>(), [4, 3, 2, 0, 3, 6]);
-        let found = Areas::of(&all);
-        assert!((found.pooled.expect("both").value - 0.5).abs() < 1e-12, "{found:?}");
+        let areas = Areas::of(&all);
+        assert!((areas.pooled.expect("both").value - 0.5).abs() < 1e-12, "{areas:?}");
         // One unit says little of others: it counts as one decision.
-        assert_eq!(found.within, Some(Rate::wilson_of(0.5, 1.0)));
+        assert_eq!(areas.within, Some(Rate::wilson_of(0.5, 1.0)));
     }
 
     /// Two units whose levels differ by more than the defect: each separates all of its pairs, and of all together the
@@ -152,9 +152,9 @@ mod tests {
     #[test]
     fn an_offset_between_units_is_no_loss_within_them() {
         let all = [scored(0, &[1.0, 2.0], &[3.0, 4.0]), scored(1, &[11.0, 12.0], &[13.0, 14.0])].concat();
-        let found = Areas::of(&all);
-        let (within, pooled) = (found.within.expect("both"), found.pooled.expect("both"));
-        assert_eq!((within, found.units), (Rate::wilson(2, 2), 2));
+        let areas = Areas::of(&all);
+        let (within, pooled) = (areas.within.expect("both"), areas.pooled.expect("both"));
+        assert_eq!((within, areas.units), (Rate::wilson(2, 2), 2));
         assert!((pooled.value - 0.75).abs() < 1e-12, "{pooled:?}");
     }
 
@@ -162,25 +162,25 @@ mod tests {
     #[test]
     fn the_interval_within_units_has_the_spread_of_their_areas() {
         let apart = |unit| scored(unit, &[1.0], &[2.0]);
-        let found = Areas::of(&[apart(0), apart(1), apart(2), scored(3, &[1.0], &[1.0])].concat());
-        assert_eq!(found.within, Some(Rate::of_variance(0.875, 0.0625 / 4.0, 4.0)));
+        let areas = Areas::of(&[apart(0), apart(1), apart(2), scored(3, &[1.0], &[1.0])].concat());
+        assert_eq!(areas.within, Some(Rate::of_variance(0.875, 0.0625 / 4.0, 4.0)));
         // n* = 0.875 · 0.125/0.015625 · (z/t)² = 2.655 is below the number of units.
-        assert_eq!(found.within, Some(Rate::wilson_of(3.5, 4.0)));
+        assert_eq!(areas.within, Some(Rate::wilson_of(3.5, 4.0)));
         let twelve = (0..12).flat_map(|unit| scored(unit, &[1.0, 3.0], &[2.0, if unit < 6 { 4.0 } else { 0.0 }]));
-        let found = Areas::of(&twelve.collect::<Vec<_>>()).within.expect("both");
+        let areas = Areas::of(&twelve.collect::<Vec<_>>()).within.expect("both");
         // Six of 0.75 and six of 0.25: variance 0.75/11/12, t of 11 degrees 2.200985.
         let count = 0.25 / (0.75 / 11.0 / 12.0) * (1.959_963_984_54_f64 / 2.200_985_160).powi(2);
         let Rate { low, high, .. } = Rate::wilson_of(0.5 * count, count);
-        assert!((found.low - low).abs() < 1e-8 && (found.high - high).abs() < 1e-8, "{found:?}");
+        assert!((areas.low - low).abs() < 1e-8 && (areas.high - high).abs() < 1e-8, "{areas:?}");
     }
 
     #[test]
     fn units_of_one_class_are_named_and_only_count_together() {
         let all = [scored(4, &[1.0, 2.0], &[]), scored(7, &[], &[3.0]), scored(5, &[1.0], &[0.0, 4.0])].concat();
-        let found = Areas::of(&all);
-        assert_eq!((found.units, found.of_one_class.as_slice()), (1, &[4, 7][..]));
+        let areas = Areas::of(&all);
+        assert_eq!((areas.units, areas.of_one_class.as_slice()), (1, &[4, 7][..]));
         // (0 + 3 + 3)/9 of all pairs.
-        assert!((found.pooled.expect("both").value - 6.0 / 9.0).abs() < 1e-12, "{found:?}");
+        assert!((areas.pooled.expect("both").value - 6.0 / 9.0).abs() < 1e-12, "{areas:?}");
         let apart = [scored(4, &[1.0, 2.0], &[]), scored(7, &[], &[3.0])].concat();
         assert_eq!(Areas::of(&apart).within, None);
         assert_eq!(Areas::of(&scored(4, &[1.0, 2.0], &[])).pooled, None);
@@ -190,8 +190,8 @@ mod tests {
     /// q = 1, 2/3, 1/3; each class has the variance 1/9 and three values: S = 2 · (1/9)/3.
     #[test]
     fn scores_of_single_units_have_the_variance_of_delong() {
-        let each = |k: usize, defect: bool, score: f64| Scored { unit: k, defect, score };
-        let all: Vec<Scored> = (0..6).map(|k| each(k, k % 2 == 1, k as f64)).collect();
+        let scored_one = |k: usize, defect: bool, score: f64| Scored { unit: k, defect, score };
+        let all: Vec<Scored> = (0..6).map(|k| scored_one(k, k % 2 == 1, k as f64)).collect();
         let area: f64 = 2.0 / 3.0;
         assert_eq!(Areas::of(&all).pooled, Some(Rate::of_variance(area, 2.0 / 27.0, 3.0)));
     }
@@ -214,7 +214,7 @@ mod tests {
         let (mut covered, mut apart, draws) = (0, 0, 400);
         for _ in 0..draws {
             let all = draw(24);
-            let holds = |found: Option<Rate>| found.is_some_and(|rate| (rate.low..=rate.high).contains(&truth));
+            let holds = |rate_of: Option<Rate>| rate_of.is_some_and(|rate| (rate.low..=rate.high).contains(&truth));
             covered += usize::from(holds(pooled(&all)));
             let single = all.iter().enumerate().map(|(unit, one)| Scored { unit, ..*one });
             apart += usize::from(holds(pooled(&single.collect::<Vec<_>>())));

@@ -13,12 +13,11 @@
 //! bearing load per torque (of a gear, belt or screw; with the factors X and Y of ISO 281 in it), and F₀ a load that
 //! does not change. (5) is (3) with the travelled angle of both directions as turns, as a swing to and fro travels 2 ψ:
 //! so all motion is counted alike. It holds for swings of at least (6); e_o are the events per turn of an outer race.
-//! In shorter ones the paths of neighbouring balls do not overlap and the lubricant is not renewed: false brinelling and
-//! fretting end the life, of which (3) says nothing. Rainflow counting of the angle (`rainflow`) says how much of the
-//! motion that is.
+//! In shorter ones the paths of neighbouring balls do not overlap, and the lubricant is not renewed. The bearing then
+//! fails by false brinelling or fretting, and (3) does not apply. `rainflow` counts such motion.
 //!
 //! Nine of ten bearings reach L₁₀; it is a figure of the population of equal bearings under this load, with usual
-//! lubrication and cleanliness (a₁ = a_ISO = 1), and says nothing of the state of this one. (3) holds for P up to C/2.
+//! lubrication and cleanliness (a₁ = a_ISO = 1), and does not tell the state of this one. (3) holds for P up to C/2.
 
 mod rainflow;
 mod words;
@@ -142,7 +141,7 @@ impl Collective {
     pub fn take(&mut self, trace: &Trace) {
         let Some(motion) = &trace.motion else { return };
         let step = trace.interval_s.map(|step| step * motion.angle_rad.len() as f64);
-        self.time_s = self.time_s.zip(step).map(|(all, own)| all + own);
+        self.time_s = self.time_s.zip(step).map(|(all, more)| all + more);
         let mut path = Path::default();
         let mut load = f64::NAN;
         for (k, angle) in motion.angle_rad.iter().enumerate() {

@@ -39,14 +39,14 @@ fn of(bearing: LoadedBearing, traces: &[Trace]) -> Collective {
 fn a_constant_load_and_speed() {
     // 1500 rpm are a quarter of a turn in 0.01 s.
     let bearing = LoadedBearing { constant_n: 1000.0, ..BEARING_6204 };
-    let found = of(bearing, &[trace(&turning(40_001, 0.25), |_| 0.0)]);
-    let life = found.life().expect("turns");
+    let collective = of(bearing, &[trace(&turning(40_001, 0.25), |_| 0.0)]);
+    let life = collective.life().expect("turns");
     assert!((life.turns / 2_460.375e6 - 1.0).abs() < 1e-9, "{life:?}");
     assert!((life.mean_load_n - 1000.0).abs() < 1e-6, "{life:?}");
     // 10 000 turns less the play, in one sample more than there are steps.
     assert!((life.hours.expect("a time") / 27_337.5 - 1.0).abs() < 1e-4, "{life:?}");
     assert!((life.used / (10_000.0 / 2_460.375e6) - 1.0).abs() < 1e-6, "{life:?}");
-    let words = found.lines()[0].clone();
+    let words = collective.lines()[0].clone();
     assert!(words.contains("2 460 million turns or 27 338 h") && words.contains("4.1e-4 % of it used"), "{words}");
 }
 
@@ -66,16 +66,18 @@ fn a_load_collective_has_the_cubic_mean() {
     let back: Vec<f64> = forth.iter().map(|turn| -1.5 * turn).collect();
     let traces = [trace(&forth, |_| 20.0), trace(&back, |_| -5.0)];
     for torque in [Torque::Sensor, Torque::Current(2.0)] {
-        let found = of(LoadedBearing { by_torque: Some((100.0, torque)), ..BEARING_6204 }, &traces);
-        let life = found.life().expect("turns");
+        let collective = of(LoadedBearing { by_torque: Some((100.0, torque)), ..BEARING_6204 }, &traces);
+        let life = collective.life().expect("turns");
         // The play of 0.0005 in 10 turns and in 15.
         assert!((life.mean_load_n / 1485.064 - 1.0).abs() < 1e-4, "{life:?}");
-        let classes: Vec<_> = found.classes().filter(|class| class.2 > 0.0).collect();
+        let classes: Vec<_> = collective.classes().filter(|class| class.2 > 0.0).collect();
         assert_eq!(classes.iter().map(|class| class.2.round()).collect::<Vec<_>>(), [15.0, 10.0]);
         assert!((classes[0].0 - 13_500.0 / 32.0).abs() < 1e-9 && (classes[1].0 - 13_500.0 / 8.0).abs() < 1e-9);
         // Miner: the parts of both traces add up.
-        let parts: f64 =
-            traces.iter().map(|trace| of(found.bearing, std::slice::from_ref(trace)).life().expect("turns").used).sum();
+        let parts: f64 = traces
+            .iter()
+            .map(|trace| of(collective.bearing, std::slice::from_ref(trace)).life().expect("turns").used)
+            .sum();
         assert!((parts / life.used - 1.0).abs() < 1e-9, "{parts}");
     }
 }
@@ -96,16 +98,16 @@ fn swings_count_as_their_travel_and_short_ones_are_told() {
         |turns: f64| -> Vec<f64> { (0..=20_000).map(|k| turns / 2.0 * (PI * f64::from(k) / 100.0).cos()).collect() };
     let bearing = LoadedBearing { constant_n: 1000.0, ..BEARING_6204 };
     for (swing, is_short) in [(0.5, false), (0.1, true)] {
-        let found = of(bearing, &[trace(&swinging(swing), |_| 0.0)]);
+        let collective = of(bearing, &[trace(&swinging(swing), |_| 0.0)]);
         // 100 swings to and fro, each 2 ψ less the play of its ends.
         let travel = 200.0 * (swing - 2.0 * PLAY);
-        assert!((found.turns - travel).abs() < 0.01, "{found:?}");
-        let life = found.life().expect("turns");
-        let swings = life.turns / (found.turns / 100.0);
+        assert!((collective.turns - travel).abs() < 0.01, "{collective:?}");
+        let life = collective.life().expect("turns");
+        let swings = life.turns / (collective.turns / 100.0);
         assert!((swings / (life.turns * 0.5 / swing) - 1.0).abs() < 0.02, "{life:?}");
-        assert_eq!(found.short.0 > 99.0, is_short, "{found:?}");
-        assert!(!is_short || (found.short.1 - found.turns).abs() < 0.01, "{found:?}");
-        let told = found.lines().concat();
+        assert_eq!(collective.short.0 > 99.0, is_short, "{collective:?}");
+        assert!(!is_short || (collective.short.1 - collective.turns).abs() < 0.01, "{collective:?}");
+        let told = collective.lines().concat();
         assert_eq!(told.contains("swings of less than 118°"), is_short, "{told}");
     }
 }
@@ -117,8 +119,8 @@ fn noise_at_rest_is_no_motion_and_a_wrapped_angle_goes_on() {
     let still = of(bearing, &[trace(&noise, |_| 0.0)]);
     assert!(still.life().is_none() && still.short.0 == 0.0, "{still:?}");
     let wrapped: Vec<f64> = turning(1001, 0.31).iter().map(|turn| turn.fract()).collect();
-    let found = of(bearing, &[trace(&wrapped, |_| 0.0)]);
-    assert!((found.turns - 310.0).abs() < 0.01 && found.fast == 0, "{found:?}");
+    let collective = of(bearing, &[trace(&wrapped, |_| 0.0)]);
+    assert!((collective.turns - 310.0).abs() < 0.01 && collective.fast == 0, "{collective:?}");
     let fast = of(bearing, &[trace(&turning(1001, 0.45), |_| 0.0)]);
     assert!(fast.fast == 1000 && fast.lines().concat().contains("record it faster"), "{fast:?}");
 }
@@ -127,9 +129,9 @@ fn noise_at_rest_is_no_motion_and_a_wrapped_angle_goes_on() {
 fn what_is_missing_or_out_of_range_is_told() {
     let bearing = LoadedBearing { outer_order: None, by_torque: Some((100.0, Torque::Sensor)), ..BEARING_6204 };
     let gone = |k: usize| if k < 500 { f64::NAN } else { 90.0 };
-    let found = of(bearing, &[trace(&turning(1001, 0.1), gone)]);
-    assert!((found.turns - 50.0).abs() < 0.2 && (found.without_load - 50.0).abs() < 0.2, "{found:?}");
-    let told = found.lines().concat();
+    let collective = of(bearing, &[trace(&turning(1001, 0.1), gone)]);
+    assert!((collective.turns - 50.0).abs() < 0.2 && (collective.without_load - 50.0).abs() < 0.2, "{collective:?}");
+    let told = collective.lines().concat();
     for part in ["above C/2", "no torque", "geometry"] {
         assert!(told.contains(part), "{part}: {told}");
     }

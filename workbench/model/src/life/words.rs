@@ -16,7 +16,7 @@ impl Collective {
         };
         let mut lines = vec![
             self.figures(&life),
-            "  that is, nine of ten such bearings reach it under this load, clean and lubricated; it says nothing of \
+            "  that is, nine of ten such bearings reach it under this load, clean and lubricated; it does not tell \
              the state of this one"
                 .into(),
         ];
@@ -52,7 +52,7 @@ impl Collective {
         match (part(self.short.1), self.bearing.outer_order) {
             (Some(part), Some(order)) => cautions.push(format!(
                 "{part} of the motion is {:.0} swings of less than {:.0}°, in which a ball does not reach its \
-                 neighbour's place: they end in false brinelling rather than fatigue, of which L10 says nothing",
+                 neighbour's place: such bearings fail by false brinelling rather than fatigue, and L10 does not apply",
                 self.short.0,
                 360.0 / order,
             )),

@@ -23,17 +23,17 @@ impl Settings {
     /// # Errors
     /// A rating, factor or constant that is not positive, or a geometry that is none.
     pub fn life(&self, channels: &Channels) -> Result<WantedLife, Error> {
-        let own = &self.bearing;
+        let loads = &self.bearing;
         let wrong =
-            own.given().into_iter().find(|(_, value)| value.is_some_and(|value| !value.is_finite() || value <= 0.0));
+            loads.given().into_iter().find(|(_, value)| value.is_some_and(|value| !value.is_finite() || value <= 0.0));
         if let Some((name, _)) = wrong {
             return Err(Error::Usage(format!("--{name} is a number above 0")));
         }
-        if own.bearing.is_empty() && !own.is_loaded() {
+        if loads.bearing.is_empty() && !loads.is_loaded() {
             return Ok(WantedLife::None);
         }
-        let outer_order = own.orders()?.into_iter().find(|(name, _)| name == "outer").map(|(_, order)| order);
-        Ok(match own.loaded(channels) {
+        let outer_order = loads.orders()?.into_iter().find(|(name, _)| name == "outer").map(|(_, order)| order);
+        Ok(match loads.loaded(channels) {
             Ok(bearing) => WantedLife::Of(LoadedBearing { outer_order, ..bearing }),
             Err(lacks) => WantedLife::Lacks(format!("no nominal life: {lacks}")),
         })
@@ -125,13 +125,13 @@ mod tests {
 
     #[test]
     fn the_torque_is_of_the_constant_if_it_is_given_or_of_the_sensor() {
-        let own = Bearing { load_rating_n: Some(1e4), bearing_load_per_nm: Some(40.0), ..Bearing::default() };
+        let bearing = Bearing { load_rating_n: Some(1e4), bearing_load_per_nm: Some(40.0), ..Bearing::default() };
         let by = |bearing: &Bearing, load: bool| match wanted(bearing.clone(), &channels(load)) {
             WantedLife::Of(LoadedBearing { by_torque, outer_order: None, .. }) => by_torque,
             other => panic!("{other:?}"),
         };
-        assert_eq!(by(&own, true), Some((40.0, Torque::Sensor)));
-        let motor = Bearing { torque_constant_nm_a: Some(0.05), ..own };
+        assert_eq!(by(&bearing, true), Some((40.0, Torque::Sensor)));
+        let motor = Bearing { torque_constant_nm_a: Some(0.05), ..bearing };
         assert_eq!([true, false].map(|load| by(&motor, load)), [Some((40.0, Torque::Current(0.05))); 2]);
     }
 }
