@@ -1,6 +1,6 @@
-//! The interrupt samples, the main loop solves: [`Detector::collect`](bearing_watch::Detector::collect) returns the
-//! sums of a closed segment, `Monitor::conclude` (or `Monitor::advance`, a step at a time) makes the report, and
-//! `Detector::adopt` makes its estimate the auxiliary model. Three ways print the same bits: solved at once in the
+//! The interrupt samples, the main loop solves: [`Detector::exchange`](bearing_watch::Detector::exchange) returns the
+//! place with the sums of a closed segment, `Monitor::conclude_from` (or `Monitor::take_from` and `Monitor::advance`, a
+//! step at a time) makes the report, and `Detector::adopt` makes its estimate the auxiliary model. Three ways print the same bits: solved at once in the
 //! interrupt, solved as a whole in the main loop, and solved there in steps. The program fails if the bits differ, if
 //! a segment was lost, or if an estimate came too late to be adopted.
 //!
@@ -18,8 +18,9 @@
 //! `handover` must be at least 15. All steps of a sample must fit into the interval beside the interrupt. Every
 //! segment loses the rows of its first `handover + settle` samples; a large `handover` has no other cost.
 //!
-//! A queue of `heapless` hands the segment over: the interrupt owns its producer and the main loop its consumer, so the
-//! main loop takes a segment with the interrupt enabled. Only `adopt` is called with the interrupt disabled.
+//! Two queues of `heapless` hand the places over, there and back: the interrupt owns one end of each and the main loop
+//! the other, so the main loop takes and returns a place with the interrupt enabled. Only `adopt` is called with the
+//! interrupt disabled.
 //!
 //! On a chip the `SysTick` exception is the sampling interrupt. The host has none: there, the main loop calls the same
 //! function where it waits for a sample.
@@ -30,7 +31,7 @@ mod support;
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use bearing_watch::{Detector, Monitor, Report, Segment, Verdict};
+use bearing_watch::{Detector, Exchange, Monitor, Report, Segment, Verdict};
 use heapless::spsc;
 
 use support::refined::{MODEL, Plant, Refined};
@@ -42,8 +43,20 @@ const SEGMENTS: usize = 6;
 /// Steps of a solve that the main loop runs between two samples.
 const STEPS_A_SAMPLE: u32 = 1;
 
-/// Room for one segment: a queue of this kind has one place more than it can hold.
-type Queue = spsc::Queue<Segment<Refined>, 2>;
+/// Room for a segment.
+type Place = &'static mut Segment<Refined>;
+
+/// Holds one place: a queue of this kind has room for one more than it can hold.
+type Queue = spsc::Queue<Place, 2>;
+
+/// The interrupt's ends of the queues, of closed places and of free ones.
+type Ends = (spsc::Producer<'static, Place>, spsc::Consumer<'static, Place>);
+
+/// The main loop's ends.
+struct Closed {
+    places: spsc::Consumer<'static, Place>,
+    free: spsc::Producer<'static, Place>,
+}
 
 main!(run);
 
@@ -53,17 +66,19 @@ static SAMPLES: AtomicU32 = AtomicU32::new(0);
 /// What the interrupt works on.
 struct Shared {
     plant: Plant,
-    detector: Detector<'static, Refined>,
-    closed: spsc::Producer<'static, Segment<Refined>>,
-    /// Number of closed segments for which the queue had no room.
+    detector: Detector<'static, Refined, Place>,
+    ends: Ends,
+    spare: Option<Place>,
+    /// Number of closed segments whose next one had no place.
     lost: u32,
 }
 
 impl Shared {
     const SEED: u32 = 17;
 
-    fn new(closed: spsc::Producer<'static, Segment<Refined>>) -> Self {
-        Self { plant: Plant::new(Self::SEED), detector: Detector::new(&MODEL), closed, lost: 0 }
+    fn new((first, second): (Place, Place), ends: Ends) -> Self {
+        let detector = Detector::with_place(&MODEL, first);
+        Self { plant: Plant::new(Self::SEED), detector, ends, spare: Some(second), lost: 0 }
     }
 
     /// Starts the same samples again.
@@ -77,23 +92,30 @@ impl Shared {
     fn interrupt(&mut self) {
         SAMPLES.fetch_add(1, Relaxed);
         let sample = self.plant.sample();
-        if let Some(segment) = self.detector.collect(&sample)
-            && self.closed.enqueue(segment).is_err()
-        {
-            self.lost += 1;
+        let (closed, free) = &mut self.ends;
+        if self.spare.is_none() {
+            self.spare = free.dequeue();
+        }
+        match self.detector.exchange(&sample, &mut self.spare) {
+            Exchange::Open => {}
+            // Of two places one is open: there is room for the other.
+            Exchange::Closed(place) => drop(closed.enqueue(place)),
+            Exchange::Lost => self.lost += 1,
         }
     }
 }
 
 fn run() {
     let inline = inline();
-    let Some((producer, mut consumer)) = timer::queue().map(Queue::split) else { return };
-    timer::start(Shared::new(producer));
+    let (Some(places), Some((there, back))) = (places!(&MODEL, Refined), timer::queues()) else { return };
+    let ((closing, closed), (free, freed)) = (there.split(), back.split());
+    timer::start(Shared::new(places, (closing, freed)));
+    let mut closed = Closed { places: closed, free };
     let mut monitor = Monitor::new(&MODEL);
-    let whole = deferred("whole", &mut consumer, |segment| monitor.conclude(segment).report.clone());
+    let whole = deferred("whole", &mut closed, |place| monitor.conclude_from(place).report.clone());
     let mut steps = 0;
-    let in_steps = deferred("in steps", &mut consumer, |segment| {
-        let (report, count) = conclude_in_steps(&mut monitor, segment);
+    let in_steps = deferred("in steps", &mut closed, |place| {
+        let (report, count) = conclude_in_steps(&mut monitor, place);
         steps = count.max(steps);
         report
     });
@@ -119,21 +141,24 @@ fn inline() -> [u32; SEGMENTS] {
 /// The main loop of a drive that defers the solve; returns the hashes of the reports.
 fn deferred(
     way: &str,
-    closed: &mut spsc::Consumer<'static, Segment<Refined>>,
-    mut conclude: impl FnMut(Segment<Refined>) -> Report<Refined>,
+    closed: &mut Closed,
+    mut conclude: impl FnMut(&mut Segment<Refined>) -> Report<Refined>,
 ) -> [u32; SEGMENTS] {
     with(|shared| {
-        while closed.dequeue().is_some() {}
+        while let Some(place) = closed.places.dequeue() {
+            drop(closed.free.enqueue(place));
+        }
         shared.restart();
     });
     let hashes = core::array::from_fn(|number| {
-        let segment = loop {
-            if let Some(segment) = closed.dequeue() {
-                break segment;
+        let place = loop {
+            if let Some(place) = closed.places.dequeue() {
+                break place;
             }
             wait_for_a_sample();
         };
-        let report = conclude(segment);
+        let report = conclude(place);
+        drop(closed.free.enqueue(place));
         let adopted = with(|shared| shared.detector.adopt(&report));
         assert!(adopted == Some(true), "{way}: segment {number} was not adopted");
         print(way, number, &report)
@@ -143,8 +168,8 @@ fn deferred(
 }
 
 /// The report, and the number of its steps.
-fn conclude_in_steps(monitor: &mut Monitor<'_, Refined>, segment: Segment<Refined>) -> (Report<Refined>, u32) {
-    monitor.take(segment);
+fn conclude_in_steps(monitor: &mut Monitor<'_, Refined>, place: &mut Segment<Refined>) -> (Report<Refined>, u32) {
+    monitor.take_from(place);
     let mut steps = 0_u32;
     loop {
         steps += 1;
@@ -204,9 +229,10 @@ mod timer {
     static SHARED: Mutex<RefCell<Option<Shared>>> = Mutex::new(RefCell::new(None));
     static TIMER: Mutex<RefCell<Option<SYST>>> = Mutex::new(RefCell::new(None));
 
-    /// The static queue, once.
-    pub fn queue() -> Option<&'static mut Queue> {
-        cortex_m::singleton!(: Queue = Queue::new())
+    /// The static queues, once.
+    pub fn queues() -> Option<(&'static mut Queue, &'static mut Queue)> {
+        let there = cortex_m::singleton!(: Queue = Queue::new());
+        there.zip(cortex_m::singleton!(: Queue = Queue::new()))
     }
 
     /// Runs `work` with the interrupt disabled.
@@ -260,8 +286,8 @@ mod timer {
         static SHARED: RefCell<Option<Shared>> = const { RefCell::new(None) };
     }
 
-    pub fn queue() -> Option<&'static mut Queue> {
-        Some(Box::leak(Box::new(Queue::new())))
+    pub fn queues() -> Option<(&'static mut Queue, &'static mut Queue)> {
+        Some((Box::leak(Box::new(Queue::new())), Box::leak(Box::new(Queue::new()))))
     }
 
     pub fn with<T>(work: impl FnOnce(&mut Shared) -> T) -> Option<T> {

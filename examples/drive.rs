@@ -1,7 +1,7 @@
 //! A whole drive on a recording: counts of the converters at the control rate → front end → detector → alarm.
 //!
 //! ```text
-//! interrupt   row ─► FrontEnd ─► Sample ─► Detector::collect ─► queue
+//! interrupt   row ─► FrontEnd ─► Sample ─► Detector::exchange ─► queue
 //! main loop   queue ─► Monitor::advance, a step between two rows ─► adopt, verdict, alarm
 //! ```
 //!
@@ -38,12 +38,11 @@ mod model {
 use core::hint::black_box;
 
 use bearing_watch::drive::RawSample;
-use bearing_watch::{Detector, Segment};
 use heapless::spsc::{Consumer, Producer, Queue};
 use support::count::Counter;
 
-use drive_parts::{Sampler, Watch};
-use model::{Drive, FURTHER};
+use drive_parts::{Place, Sampler, Watch};
+use model::FURTHER;
 use rows::Rows;
 
 main!(run);
@@ -51,38 +50,42 @@ main!(run);
 /// The interrupt: the sampler, and the queue to the main loop.
 struct Interrupt<'a> {
     sampler: Sampler,
-    closed: Producer<'a, Segment<Drive>>,
+    closed: Producer<'a, Place>,
 }
 
 impl Interrupt<'_> {
     fn sample(&mut self, raw: &RawSample<FURTHER>) {
-        self.sampler.sample(raw, |segment| self.closed.enqueue(segment).is_ok());
+        if let Some(place) = self.sampler.sample(raw) {
+            // There are two places, of which one is open: there is room for the other.
+            let _room = self.closed.enqueue(place).is_ok();
+        }
     }
 }
 
 /// What the main loop works on.
 struct MainLoop<'a> {
-    closed: Consumer<'a, Segment<Drive>>,
+    closed: Consumer<'a, Place>,
     watch: Watch,
 }
 
 impl MainLoop<'_> {
     /// One step of work. Not inlined, so that what it moves takes no stack during the interrupt.
     #[inline(never)]
-    fn turn(&mut self, detector: &mut Detector<'static, Drive>) {
+    fn turn(&mut self, sampler: &mut Sampler) {
         if !self.watch.monitor.is_solving() {
-            if let Some(segment) = self.closed.dequeue() {
-                self.watch.monitor.take(segment);
+            if let Some(place) = self.closed.dequeue() {
+                self.watch.monitor.take_from(place);
+                // On a chip with the interrupt disabled, as below.
+                sampler.spare = Some(place);
             }
             return;
         }
-        // On a chip with the interrupt disabled.
-        self.watch.advance(|report| detector.adopt(report));
+        self.watch.advance(|report| sampler.detector.adopt(report));
     }
 }
 
 fn run() {
-    let mut queue: Queue<Segment<Drive>, 2> = Queue::new();
+    let mut queue: Queue<Place, 2> = Queue::new();
     let (producer, consumer) = queue.split();
     let sampler = match Sampler::new() {
         Ok(sampler) => sampler,
@@ -98,10 +101,10 @@ fn run() {
     cost.stack(|cost| {
         for raw in &mut rows {
             cost.interrupt(|| interrupt.sample(black_box(&raw)));
-            main_loop.turn(&mut interrupt.sampler.detector);
+            main_loop.turn(&mut interrupt.sampler);
         }
         while main_loop.watch.monitor.is_solving() || main_loop.closed.ready() {
-            main_loop.turn(&mut interrupt.sampler.detector);
+            main_loop.turn(&mut interrupt.sampler);
         }
     });
     main_loop.watch.end(&interrupt.sampler);

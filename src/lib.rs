@@ -104,7 +104,7 @@ mod unroll;
 
 pub use alarm::evidence::{Alarm, Cause, Evidence};
 pub use decide::Decision;
-pub use detector::{Commissioning, Conclusion, Detector, Following, Monitor, Segment, Surroundings};
+pub use detector::{Commissioning, Conclusion, Detector, Exchange, Following, Monitor, Segment, Surroundings};
 pub use known_answers::{arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};

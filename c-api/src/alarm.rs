@@ -168,7 +168,7 @@ pub unsafe extern "C" fn bw_reset(state: *mut BwState) -> BwCode {
                 detector.restart();
                 state.missed.store(0, core::sync::atomic::Ordering::Relaxed);
                 // SAFETY: both halves of the state are held here.
-                unsafe { state.closed.empty(drop) };
+                unsafe { state.closed.empty(|_| ()) };
                 monitor.reset();
             })
         };

@@ -3,12 +3,12 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use bearing_watch::plan::{MAX_CHANNELS, Plan, Signals as _};
-use bearing_watch::{Angle, Detector, Segment};
+use bearing_watch::{Angle, Exchange};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
-use crate::state::{BwState, OwnMonitor};
+use crate::state::{BwState, OwnDetector, OwnMonitor};
 
 type Sample = <Own as Plan>::Sample;
 
@@ -53,11 +53,13 @@ unsafe fn sample<'a>(
 }
 
 fn collect(state: &BwState, sample: &Sample) -> Outcome {
-    // The segment stays in its place until it is known to be there: each move of an option copies all of its bytes.
-    let collect = |detector: &mut Detector<'static, Own>| {
-        take(state, sample, |sample| match detector.collect(sample) {
-            Some(segment) => keep(state, segment),
-            None => Ok(BwCode::Ok),
+    let collect = |detector: &mut OwnDetector| {
+        take(state, sample, |sample| {
+            // SAFETY: this function holds the sampling half of the state, and nothing else fills the slot.
+            match unsafe { state.closed.with_spare(|spare| detector.exchange(sample, spare)) } {
+                Exchange::Open => Ok(BwCode::Ok),
+                closed => keep(state, closed),
+            }
         })
     };
     state.sampling.with(collect).unwrap_or_else(|busy| lose(state, busy))
@@ -114,13 +116,14 @@ fn missed(state: &BwState, next: &Sample, gap: &mut Option<Sample>) -> u32 {
 /// Keeps a closed segment for the main loop.
 #[cold]
 #[inline(never)]
-fn keep(state: &BwState, segment: Segment<Own>) -> Outcome {
-    // SAFETY: the caller holds the sampling half of the state, and nothing else fills the slot.
-    if unsafe { state.closed.fill(segment) } {
-        return Ok(BwCode::Segment);
-    }
-    count(&state.lost_segments);
-    Err(BwCode::SegmentLost)
+fn keep(state: &BwState, exchange: Exchange<'static, Own>) -> Outcome {
+    let Exchange::Closed(place) = exchange else {
+        count(&state.lost_segments);
+        return Err(BwCode::SegmentLost);
+    };
+    // SAFETY: the caller holds the sampling half of the state, and has taken the place of the slot for this one.
+    unsafe { state.closed.fill(place) };
+    Ok(BwCode::Segment)
 }
 
 /// Adds one. By load and store: only the holder of the part counts, and a lost count would only be a lost count.

@@ -35,7 +35,7 @@ pub unsafe extern "C" fn bw_conclude(state: *mut BwState) -> BwCode {
 fn take(state: &BwState, monitor: &mut OwnMonitor) {
     if !monitor.is_solving() {
         // SAFETY: the caller holds the main loop's half of the state.
-        unsafe { state.closed.empty(|segment| monitor.take(segment)) };
+        unsafe { state.closed.empty(|place| monitor.take_from(place)) };
     }
 }
 

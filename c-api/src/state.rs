@@ -7,7 +7,7 @@
 
 use core::cell::UnsafeCell;
 use core::ffi::c_void;
-use core::mem::{ManuallyDrop, MaybeUninit, offset_of};
+use core::mem::{ManuallyDrop, offset_of};
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -40,11 +40,16 @@ pub struct Halves {
     pub(crate) missed: AtomicU32,
     /// Number of the segment that `bw_discard` has put in doubt; [`NO_SEGMENT`] at first.
     pub(crate) doubted: AtomicU32,
-    pub(crate) sampling: Lock<Detector<'static, Own>>,
-    pub(crate) model: Model<Own>,
     pub(crate) closed: Slot<Segment<Own>>,
+    pub(crate) sampling: Lock<OwnDetector>,
+    pub(crate) model: Model<Own>,
+    /// The open segment and the one of the slot, in turns.
+    places: [UnsafeCell<Segment<Own>>; 2],
     pub(crate) solving: Lock<OwnMonitor>,
 }
+
+/// What the interrupt works on.
+pub(crate) type OwnDetector = Detector<'static, Own, &'static mut Segment<Own>>;
 
 /// What the main loop works on.
 pub(crate) type OwnMonitor = Monitor<'static, Own>;
@@ -109,54 +114,61 @@ impl<T> Lock<T> {
     }
 }
 
-/// Room for one value between the interrupt and the main loop. The flag says whose the room is: while it is not full, of
-/// the one that fills it.
+/// The place of a segment between the interrupt and the main loop. The flag says whose it is: while it is not full, of
+/// the interrupt, which exchanges it for the place of a closed segment.
 #[derive(Debug)]
-pub(crate) struct Slot<T> {
+pub(crate) struct Slot<T: 'static> {
     full: AtomicBool,
-    value: UnsafeCell<MaybeUninit<T>>,
+    place: UnsafeCell<Option<&'static mut T>>,
 }
 
-// SAFETY: one caller at a time fills and one empties, by the contracts of the functions, and the flag hands the value
+// SAFETY: one caller at a time fills and one empties, by the contracts of the functions, and the flag hands the place
 // over.
 unsafe impl<T: Send> Sync for Slot<T> {}
 
 impl<T> Slot<T> {
-    const fn new() -> Self {
-        Self { full: AtomicBool::new(false), value: UnsafeCell::new(MaybeUninit::uninit()) }
+    const fn new(place: &'static mut T) -> Self {
+        Self { full: AtomicBool::new(false), place: UnsafeCell::new(Some(place)) }
     }
 
-    /// Whether a value waits.
+    /// Whether a segment waits.
     pub(crate) fn is_full(&self) -> bool {
         self.full.load(Ordering::Acquire)
     }
 
-    /// Fills an empty slot; returns whether it was empty.
+    /// Lets a function have the place of an empty slot, and nothing of a full one.
     ///
     /// # Safety
-    /// No other call fills the slot at the same time.
-    pub(crate) unsafe fn fill(&self, value: T) -> bool {
-        if self.full.load(Ordering::Acquire) {
-            return false;
-        }
+    /// No other call of this function or of [`Slot::fill`] at the same time.
+    #[inline]
+    pub(crate) unsafe fn with_spare<R>(&self, work: impl FnOnce(&mut Option<&'static mut T>) -> R) -> R {
+        let mut none = None;
         // SAFETY: an empty slot belongs to the one that fills it.
-        unsafe { (*self.value.get()).write(value) };
-        self.full.store(true, Ordering::Release);
-        true
+        let spare = if self.is_full() { &mut none } else { unsafe { &mut *self.place.get() } };
+        // Called in one place: each has its copy of the code of a sample.
+        work(spare)
     }
 
-    /// Empties a full slot into a function; returns whether it was full.
+    /// Fills a slot whose place was taken.
+    ///
+    /// # Safety
+    /// As [`Slot::with_spare`], which took the place.
+    pub(crate) unsafe fn fill(&self, place: &'static mut T) {
+        // SAFETY: a slot without its place is empty, and belongs to the one that fills it.
+        unsafe { *self.place.get() = Some(place) };
+        self.full.store(true, Ordering::Release);
+    }
+
+    /// Empties a full slot once a function has read it.
     ///
     /// # Safety
     /// No other call empties the slot at the same time.
-    pub(crate) unsafe fn empty(&self, into: impl FnOnce(T)) -> bool {
-        if !self.full.load(Ordering::Acquire) {
-            return false;
+    pub(crate) unsafe fn empty(&self, read: impl FnOnce(&mut T)) {
+        if self.is_full() {
+            // SAFETY: a full slot belongs to the one that empties it.
+            unsafe { (*self.place.get()).as_deref_mut() }.map(read);
+            self.full.store(false, Ordering::Release);
         }
-        // SAFETY: a full slot belongs to the one that empties it, and its value is taken once.
-        into(unsafe { (*self.value.get()).assume_init_read() });
-        self.full.store(false, Ordering::Release);
-        true
     }
 }
 
@@ -205,8 +217,9 @@ unsafe fn init(
         (&raw mut (*own).0.lost_segments).write(AtomicU32::new(0));
         (&raw mut (*own).0.missed).write(AtomicU32::new(0));
         (&raw mut (*own).0.doubted).write(AtomicU32::new(NO_SEGMENT));
-        (&raw mut (*own).0.closed).write(Slot::new());
-        place_detector(own, &(*own).0.model);
+        let [open, spare] = place_segments(own);
+        (&raw mut (*own).0.closed).write(Slot::new(spare));
+        place_detector(own, &(*own).0.model, open);
         place_monitor(own, &(*own).0.model);
         (*own).0.tag.set(own);
         put(state, own)?;
@@ -215,7 +228,7 @@ unsafe fn init(
 }
 
 /// Reads the model, and puts it in its place if it is good. The state is not valid from there on.
-// Out of line like the next two, so that none of them takes stack while another runs.
+// Out of line like the next three, so that none of them takes stack while another runs.
 #[inline(never)]
 unsafe fn place_model(own: *mut BwState, bytes: &[u8]) -> Outcome<()> {
     let model = ManuallyDrop::new(Model::<Own>::from_sector(bytes));
@@ -233,10 +246,24 @@ unsafe fn place_model(own: *mut BwState, bytes: &[u8]) -> Outcome<()> {
     }
 }
 
+/// Makes the places, which stay where they are, and to which nothing else refers.
 #[inline(never)]
-unsafe fn place_detector(own: *mut BwState, model: &'static Model<Own>) {
+unsafe fn place_segments(own: *mut BwState) -> [&'static mut Segment<Own>; 2] {
     // SAFETY: the contract of the caller.
-    unsafe { (&raw mut (*own).0.sampling).write(Lock::new(Detector::new(model))) };
+    let places = unsafe { &raw mut (*own).0.places }.cast::<UnsafeCell<Segment<Own>>>();
+    [0, 1].map(|k| {
+        // SAFETY: as above; there are two of them.
+        unsafe {
+            places.add(k).write(UnsafeCell::new(Segment::new(&(*own).0.model)));
+            &mut *UnsafeCell::raw_get(places.add(k))
+        }
+    })
+}
+
+#[inline(never)]
+unsafe fn place_detector(own: *mut BwState, model: &'static Model<Own>, open: &'static mut Segment<Own>) {
+    // SAFETY: the contract of the caller.
+    unsafe { (&raw mut (*own).0.sampling).write(Lock::new(Detector::with_place(model, open))) };
 }
 
 #[inline(never)]

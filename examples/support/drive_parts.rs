@@ -2,18 +2,23 @@
 //! `frameworks` share it.
 
 use bearing_watch::drive::RawSample;
-use bearing_watch::{Conclusion, Detector, Monitor, Report, Segment, Verdict};
+use bearing_watch::{Conclusion, Detector, Exchange, Monitor, Report, Segment, Verdict};
 
 use crate::model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
 use crate::support::hash::Hash;
 
+/// Room for a segment.
+pub type Place = &'static mut Segment<Drive>;
+
 /// What the interrupt works on.
 pub struct Sampler {
     pub front_end: DriveFrontEnd,
-    pub detector: Detector<'static, Drive>,
+    pub detector: Detector<'static, Drive, Place>,
+    /// The place that the main loop has given back.
+    pub spare: Option<Place>,
     /// Whether the angle is known: segments start there, as they do in training.
     started: bool,
-    /// Closed segments for which there was no room.
+    /// Closed segments whose next one had no spare place.
     lost: u32,
 }
 
@@ -21,23 +26,30 @@ impl Sampler {
     /// Returns the text of the error if the constants of the front end are not valid.
     pub fn new() -> Result<Self, &'static str> {
         let front_end = DriveFrontEnd::new(&FRONT_END).map_err(|error| error.message())?;
-        Ok(Self { front_end, detector: Detector::new(&MODEL), started: false, lost: 0 })
+        let Some((first, second)) = places!(&MODEL, Drive) else { return Err("the places are taken") };
+        let detector = Detector::with_place(&MODEL, first);
+        Ok(Self { front_end, detector, spare: Some(second), started: false, lost: 0 })
     }
 
-    /// Takes a row of the recording. Once in seconds it gives a closed segment to `hand_over`, which returns whether
-    /// there is room for it.
-    pub fn sample(&mut self, raw: &RawSample<FURTHER>, hand_over: impl FnOnce(Segment<Drive>) -> bool) {
-        let Some(clean) = self.front_end.push(raw) else { return };
+    /// Takes a row of the recording; returns a closed segment once in seconds. The main loop gives its place back to
+    /// `spare`.
+    pub fn sample(&mut self, raw: &RawSample<FURTHER>) -> Option<Place> {
+        let clean = self.front_end.push(raw)?;
         self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
         if clean.found_late {
             // A fault that shows only after a window of samples: those before were wrong.
             self.detector.discard();
         }
-        if self.started
-            && let Some(segment) = self.detector.collect(&clean.into())
-            && !hand_over(segment)
-        {
-            self.lost += 1;
+        if !self.started {
+            return None;
+        }
+        match self.detector.exchange(&clean.into(), &mut self.spare) {
+            Exchange::Open => None,
+            Exchange::Closed(place) => Some(place),
+            Exchange::Lost => {
+                self.lost += 1;
+                None
+            }
         }
     }
 }

@@ -17,6 +17,24 @@ macro_rules! main {
     };
 }
 
+/// Two places for segments, which last as long as the program; `None` if there are none left.
+#[allow(unused_macros, reason = "not every example exchanges segments")]
+macro_rules! places {
+    ($model:expr, $plan:ty) => {{
+        #[cfg(target_os = "none")]
+        let places = (
+            cortex_m::singleton!(: bearing_watch::Segment<$plan> = bearing_watch::Segment::new($model)),
+            cortex_m::singleton!(: bearing_watch::Segment<$plan> = bearing_watch::Segment::new($model)),
+        );
+        #[cfg(not(target_os = "none"))]
+        let places = {
+            let place = || Some(&mut *Box::leak(Box::new(bearing_watch::Segment::<$plan>::new($model))));
+            (place(), place())
+        };
+        places.0.zip(places.1)
+    }};
+}
+
 /// Prints one line; formats like `println!`.
 #[allow(unused_macros, reason = "`logging` prints nothing on the target")]
 macro_rules! say {

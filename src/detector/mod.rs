@@ -27,6 +27,8 @@ pub use segment::Segment;
 #[cfg(any(test, feature = "internals"))]
 pub use solver::{Solver, conclude};
 
+use core::borrow::BorrowMut;
+
 use sequence::Sequence;
 
 use crate::known_answers::arithmetic_test;
@@ -37,7 +39,7 @@ use crate::regression::estimate::Estimator;
 use crate::report::Report;
 use crate::shaft::Shaft;
 use crate::signal::BlockMean;
-use crate::signal::average::{self, Averages};
+use crate::signal::average;
 use crate::signal::{Counts, Gate, limit};
 
 /// Running state next to the current loop. The model stays where it is (flash) and may live shorter than the program,
@@ -57,9 +59,12 @@ use crate::signal::{Counts, Gate, limit};
 /// }
 /// # }
 /// ```
+///
+/// The sums of the open segment are in the detector, or in a place outside that is exchanged when the segment closes:
+/// [`Detector::with_place`].
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Detector<'m, P: Plan> {
+pub struct Detector<'m, P: Plan, O = Segment<P>> {
     model: &'m Model<P>,
     gate: Gate<P>,
     block: BlockMean<3>,
@@ -67,32 +72,30 @@ pub struct Detector<'m, P: Plan> {
     spoiled: bool,
     estimator: Array<P::Regressed, Estimator<P>>,
     shaft: Array<P::Watched, Shaft<P>>,
-    averages: Averages<P>,
     /// Samples of the open segment, after averaging.
     samples: u32,
-    /// Samples of the open segment of which the shaft could use every channel.
-    usable: u32,
     /// Of the open segment.
     sequence: Sequence,
+    /// The open segment.
+    open: O,
+}
+
+/// What a sample did to the open segment.
+#[derive(Debug)]
+pub enum Exchange<'s, P: Plan> {
+    /// It goes on.
+    Open,
+    /// It is closed, and in this place.
+    Closed(&'s mut Segment<P>),
+    /// It was closed, and is lost: there was no spare place for the next one.
+    Lost,
 }
 
 impl<'m, P: Plan> Detector<'m, P> {
     /// Nothing sampled yet.
     #[must_use]
     pub fn new(model: &'m Model<P>) -> Self {
-        let (plan, constants) = (model.plan(), model.constants());
-        Self {
-            model,
-            gate: Gate::new(plan),
-            block: BlockMean::new(),
-            spoiled: false,
-            estimator: P::Regressed::map_part(&constants.regression, |regression| Estimator::new(plan, regression)),
-            shaft: P::Watched::map_part(&constants.shaft, |shaft| Shaft::new(plan, shaft)),
-            averages: average::empty(plan),
-            samples: 0,
-            usable: 0,
-            sequence: Sequence::default(),
-        }
+        Self::around(model, Segment::new(model))
     }
 
     /// Takes one sample; returns the report with the sample that closes a segment. That sample costs the whole solve
@@ -103,81 +106,19 @@ impl<'m, P: Plan> Detector<'m, P> {
     }
 
     /// Takes one sample, in time that hardly depends on the data; returns the sums with the sample that closes a
-    /// segment. Give them to [`Monitor`] in the main loop, and its report to [`Detector::adopt`].
+    /// segment. Give them to [`Monitor`] in the main loop, and its report to [`Detector::adopt`]. That sample copies
+    /// and clears all sums: [`Detector::exchange`] does neither.
     #[inline]
     pub fn collect(&mut self, sample: &P::Sample) -> Option<Segment<P>> {
         if self.take(sample) { self.detach() } else { None }
     }
 
-    /// Lets the estimate of a concluded segment take over as auxiliary model at the handover. Returns `false`, and does
-    /// nothing, if the handover is past, if it is not the segment that was closed last, also by
-    /// [`Detector::restart`] or [`Detector::discard`] since then, or if the estimate cannot be used.
-    pub fn adopt(&mut self, report: &Report<P>) -> bool {
-        let (plan, constants) = (self.model.plan(), self.model.constants());
-        let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
-        let (Some(estimator), Some(regression), Some(estimate)) = parts else { return false };
-        report.model == self.model.mark() && estimator.adopt(plan, regression, estimate)
-    }
-
-    /// Takes one sample; returns whether the segment is full.
-    #[inline(always)]
-    fn take(&mut self, sample: &P::Sample) -> bool {
-        let (plan, constants) = (self.model.plan(), self.model.constants());
-        let layout = plan.layout();
-        let refused = self.gate.refused(&constants.channels, sample);
-        average::take(plan, &mut self.averages, sample, refused);
-        let parts = (self.shaft.part_mut(), constants.shaft.part(), layout.shaft);
-        if let (Some(shaft), Some(shaft_constants), Some(layout)) = parts {
-            let good = refused & layout.mask() == 0;
-            shaft.step(plan, shaft_constants, sample, good);
-            self.usable = self.usable.wrapping_add(u32::from(good));
-        }
-        let parts = (self.estimator.part_mut(), constants.regression.part(), layout.regression);
-        if let (Some(estimator), Some(regression), Some(layout)) = parts {
-            let good = refused & layout.mask() == 0;
-            let inputs = Inputs::of(&layout, sample);
-            let block = constants.sampling.block_mean;
-            let (inputs, good) = if block <= 1 {
-                (inputs, good)
-            } else {
-                // A mean would hide one refused sample, so that sample spoils its block.
-                self.spoiled |= !good;
-                let Some([y, u1, u2]) = self.block.push([inputs.y, inputs.u1, inputs.u2], block) else { return false };
-                (Inputs { y, u1, u2 }, !core::mem::take(&mut self.spoiled))
-            };
-            if good {
-                estimator.take(plan, regression, inputs, limit(&constants.channels, layout.y));
-            } else {
-                estimator.skip(plan);
-            }
-        }
-        self.samples = self.samples.wrapping_add(1);
-        self.samples >= constants.sampling.segment_samples
-    }
-
-    /// A copy of the sums of the open segment.
-    // Out of line, so that what it moves takes no stack during the solve.
-    #[inline(never)]
-    fn segment(&self, whole: bool) -> Segment<P> {
-        let (plan, constants) = (self.model.plan(), self.model.constants());
-        let mut counts = self.gate.counts;
-        let mut rows = self.usable;
-        if let Some(estimator) = self.estimator.part() {
-            (counts.downweighted, counts.resting, counts.refused) = estimator.counts();
-            rows = estimator.rows();
-        }
-        let rest = constants.regression.part().map_or(0.0, |regression| regression.rest);
-        Segment {
-            regression: P::Regressed::map_part(&self.estimator, |estimator| estimator.sums(plan, rest)),
-            averages: self.averages.clone(),
-            shaft: P::Watched::map_part(&self.shaft, |shaft| shaft.sums().clone()),
-            counts,
-            rows,
-            whole,
-            failed: arithmetic_test().err(),
-            model: self.model.mark(),
-            sequence: self.sequence,
-        }
+    /// The same detector, with the sums in a place outside for [`Detector::exchange`].
+    #[must_use]
+    pub fn in_place<'s>(self, place: &'s mut Segment<P>) -> Detector<'m, P, &'s mut Segment<P>> {
+        let Self { model, gate, block, spoiled, estimator, shaft, samples, sequence, open } = self;
+        *place = open;
+        Detector { model, gate, block, spoiled, estimator, shaft, samples, sequence, open: place }
     }
 
     /// Closes the segment and hands out its sums.
@@ -202,6 +143,159 @@ impl<'m, P: Plan> Detector<'m, P> {
         self.next_segment();
         report
     }
+}
+
+impl<'m, 's, P: Plan> Detector<'m, P, &'s mut Segment<P>> {
+    /// Nothing sampled yet; the sums are in this place.
+    #[must_use]
+    pub fn with_place(model: &'m Model<P>, place: &'s mut Segment<P>) -> Self {
+        place.clear(model);
+        Self::around(model, place)
+    }
+
+    /// As [`Detector::collect`], with sums that are neither copied nor cleared: the sample that closes a segment takes
+    /// the place out of `spare` for the next one, and returns that of the closed one. [`Monitor::take_from`] clears it
+    /// for the next exchange; a place that is not clear is cleared here.
+    ///
+    /// Two places and two queues of references, there and back, connect interrupt and main loop:
+    ///
+    /// ```
+    /// # use bearing_watch::{Detector, Exchange, Model, Monitor, Segment, plan::Plan};
+    /// # fn run<P: Plan>(model: &Model<P>, samples: impl Iterator<Item = P::Sample>) {
+    /// let (mut first, mut second) = (Segment::new(model), Segment::new(model));
+    /// let (mut detector, mut spare) = (Detector::with_place(model, &mut first), Some(&mut second));
+    /// let mut monitor = Monitor::new(model);
+    /// for sample in samples {
+    ///     if let Exchange::Closed(place) = detector.exchange(&sample, &mut spare) {
+    ///         monitor.take_from(place);
+    ///         spare = Some(place);
+    ///     }
+    ///     if let Some(now) = monitor.advance() {
+    ///         detector.adopt(now.report);
+    ///     }
+    /// }
+    /// # }
+    /// ```
+    #[inline]
+    pub fn exchange(&mut self, sample: &P::Sample, spare: &mut Option<&'s mut Segment<P>>) -> Exchange<'s, P> {
+        if self.take(sample) { self.replace(spare) } else { Exchange::Open }
+    }
+
+    /// Closes the segment and opens the next one in the spare place.
+    #[inline(never)]
+    fn replace(&mut self, spare: &mut Option<&'s mut Segment<P>>) -> Exchange<'s, P> {
+        let Some(place) = spare.take() else {
+            self.next_segment();
+            return Exchange::Lost;
+        };
+        if !place.clear || place.model != self.model.mark() {
+            place.clear(self.model);
+        }
+        let closed = core::mem::replace(&mut self.open, place);
+        self.complete(closed, true);
+        if let (Some(sums), Some(last)) = (self.open.regression.part_mut(), closed.regression.part()) {
+            sums.follow(self.model.plan(), last);
+        }
+        self.start_segment();
+        Exchange::Closed(closed)
+    }
+}
+
+impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
+    #[inline(always)]
+    fn around(model: &'m Model<P>, open: O) -> Self {
+        let (plan, constants) = (model.plan(), model.constants());
+        Self {
+            model,
+            gate: Gate::new(plan),
+            block: BlockMean::new(),
+            spoiled: false,
+            estimator: P::Regressed::map_part(&constants.regression, |regression| Estimator::new(plan, regression)),
+            shaft: P::Watched::map_part(&constants.shaft, |shaft| Shaft::new(plan, shaft)),
+            samples: 0,
+            sequence: Sequence::default(),
+            open,
+        }
+    }
+
+    /// Lets the estimate of a concluded segment take over as auxiliary model at the handover. Returns `false`, and does
+    /// nothing, if the handover is past, if it is not the segment that was closed last, also by
+    /// [`Detector::restart`] or [`Detector::discard`] since then, or if the estimate cannot be used.
+    pub fn adopt(&mut self, report: &Report<P>) -> bool {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
+        let (Some(estimator), Some(regression), Some(estimate)) = parts else { return false };
+        report.model == self.model.mark() && estimator.adopt(plan, regression, estimate)
+    }
+
+    /// Takes one sample; returns whether the segment is full.
+    #[inline(always)]
+    fn take(&mut self, sample: &P::Sample) -> bool {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        let layout = plan.layout();
+        let open = self.open.borrow_mut();
+        let refused = self.gate.refused(&constants.channels, sample);
+        average::take(plan, &mut open.averages, sample, refused);
+        let parts = (self.shaft.part_mut(), open.shaft.part_mut());
+        let given = (constants.shaft.part(), layout.shaft);
+        if let ((Some(shaft), Some(sums)), (Some(shaft_constants), Some(layout))) = (parts, given) {
+            let good = refused & layout.mask() == 0;
+            shaft.step(sums, plan, shaft_constants, (sample, good));
+            open.usable = open.usable.wrapping_add(u32::from(good));
+        }
+        let parts = (self.estimator.part_mut(), open.regression.part_mut());
+        let given = (constants.regression.part(), layout.regression);
+        if let ((Some(estimator), Some(sums)), (Some(regression), Some(layout))) = (parts, given) {
+            let good = refused & layout.mask() == 0;
+            let inputs = Inputs::of(&layout, sample);
+            let block = constants.sampling.block_mean;
+            let (inputs, good) = if block <= 1 {
+                (inputs, good)
+            } else {
+                // A mean would hide one refused sample, so that sample spoils its block.
+                self.spoiled |= !good;
+                let Some([y, u1, u2]) = self.block.push([inputs.y, inputs.u1, inputs.u2], block) else { return false };
+                (Inputs { y, u1, u2 }, !core::mem::take(&mut self.spoiled))
+            };
+            if good {
+                estimator.take(sums, plan, regression, (inputs, limit(&constants.channels, layout.y)));
+            } else {
+                estimator.skip(plan);
+            }
+        }
+        self.samples = self.samples.wrapping_add(1);
+        self.samples >= constants.sampling.segment_samples
+    }
+
+    /// A copy of the open segment as if it were closed.
+    // Out of line, so that what it moves takes no stack during the solve.
+    #[inline(never)]
+    fn segment(&self, whole: bool) -> Segment<P> {
+        let mut segment = self.open.borrow().clone();
+        self.complete(&mut segment, whole);
+        segment
+    }
+
+    /// Completes the sums for the main loop.
+    fn complete(&self, segment: &mut Segment<P>, whole: bool) {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        (segment.counts, segment.rows) = (self.counted(segment), segment.usable);
+        if let (Some(estimator), Some(sums)) = (self.estimator.part(), segment.regression.part_mut()) {
+            let rest = constants.regression.part().map_or(0.0, |regression| regression.rest);
+            estimator.close(sums, plan, rest);
+            segment.rows = sums.count;
+        }
+        (segment.whole, segment.clear, segment.failed) = (whole, false, arithmetic_test().err());
+        (segment.model, segment.sequence) = (self.model.mark(), self.sequence);
+    }
+
+    fn counted(&self, segment: &Segment<P>) -> Counts {
+        let mut counts = self.gate.counts;
+        if let (Some(estimator), Some(sums)) = (self.estimator.part(), segment.regression.part()) {
+            (counts.downweighted, counts.resting, counts.refused) = estimator.counts(sums);
+        }
+        counts
+    }
 
     /// Offers the estimate of the open segment as auxiliary model of the next one, before it is closed.
     fn offer(&mut self, report: &Report<P>) {
@@ -213,18 +307,25 @@ impl<'m, P: Plan> Detector<'m, P> {
         }
     }
 
+    /// Starts a segment in the place of the last one.
     #[inline(always)]
     fn next_segment(&mut self) {
+        self.open.borrow_mut().next(self.model);
+        self.start_segment();
+    }
+
+    /// Starts a segment in a place that is clear.
+    #[inline(always)]
+    fn start_segment(&mut self) {
         let (plan, constants) = (self.model.plan(), self.model.constants());
-        (self.samples, self.usable) = (0, 0);
+        self.samples = 0;
         self.sequence = self.sequence.next();
-        self.averages = average::empty(plan);
         self.gate.next_segment();
         if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
             estimator.next_segment(plan, regression);
         }
-        if let (Some(shaft), Some(shaft_constants)) = (self.shaft.part_mut(), constants.shaft.part()) {
-            shaft.next_segment(plan, shaft_constants);
+        if let Some(shaft) = self.shaft.part_mut() {
+            shaft.next_segment();
         }
     }
 
@@ -244,7 +345,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// What was refused in the open segment so far.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        self.segment(false).counts
+        self.counted(self.open.borrow())
     }
 
     /// Closes the open segment at the end of a recording, reports it, and starts afresh. The caller decides whether a
@@ -296,10 +397,9 @@ impl<'m, P: Plan> Detector<'m, P> {
             estimator.restart(plan, regression);
         }
         if let (Some(shaft), Some(shaft_constants)) = (self.shaft.part_mut(), constants.shaft.part()) {
-            shaft.renew(plan, shaft_constants);
+            shaft.renew(shaft_constants);
         }
-        self.averages = average::empty(plan);
-        self.usable = 0;
+        self.open.borrow_mut().empty(self.model);
     }
 }
 

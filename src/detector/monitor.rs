@@ -12,6 +12,8 @@
 //! the one before. The monitor keeps the evidence from before each report until the next segment, and takes the report
 //! out again if that one puts it in doubt.
 
+use core::borrow::BorrowMut;
+
 use super::Detector;
 use super::following::{Following, Surroundings};
 use super::segment::Segment;
@@ -142,13 +144,17 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     /// closes a segment. That sample costs the whole solve. The estimate takes over as auxiliary model, if there is
     /// one.
     #[inline]
-    pub fn step(&mut self, detector: &mut Detector<'_, P>, sample: &P::Sample) -> Option<Conclusion<'_, P>> {
+    pub fn step<O: BorrowMut<Segment<P>>>(
+        &mut self,
+        detector: &mut Detector<'_, P, O>,
+        sample: &P::Sample,
+    ) -> Option<Conclusion<'_, P>> {
         if detector.take(sample) { Some(self.close(detector)) } else { None }
     }
 
     #[cold]
     #[inline(never)]
-    fn close(&mut self, detector: &mut Detector<'_, P>) -> Conclusion<'_, P> {
+    fn close<O: BorrowMut<Segment<P>>>(&mut self, detector: &mut Detector<'_, P, O>) -> Conclusion<'_, P> {
         self.take(detector.segment(true));
         self.solve_rest();
         detector.offer(&self.report);
@@ -158,7 +164,7 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
 
     /// Closes the open segment at the end of a recording, and concludes it; the detector starts afresh. A part of no
     /// more than half a segment has no verdict.
-    pub fn finish(&mut self, detector: &mut Detector<'_, P>) -> Conclusion<'_, P> {
+    pub fn finish<O: BorrowMut<Segment<P>>>(&mut self, detector: &mut Detector<'_, P, O>) -> Conclusion<'_, P> {
         // The model knows the spread of whole segments only.
         let short = detector.pending() <= self.model.constants().sampling.segment_samples / 2;
         self.take(detector.segment(short));
@@ -187,6 +193,37 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         self.settle(segment.sequence.doubts_that(self.sequence));
         self.sequence = segment.sequence;
         self.segment = Some(segment);
+        self.start();
+    }
+
+    /// As [`Monitor::take`], and clears the place for the next [`Detector::exchange`].
+    pub fn take_from(&mut self, place: &mut Segment<P>) {
+        self.settle(place.sequence.doubts_that(self.sequence));
+        self.sequence = place.sequence;
+        self.fetch(place);
+        self.start();
+    }
+
+    // Out of line, so that what it moves takes no stack during the solve.
+    #[inline(never)]
+    fn fetch(&mut self, place: &mut Segment<P>) {
+        match &mut self.segment {
+            Some(segment) => core::mem::swap(segment, place),
+            none => *none = Some(place.clone()),
+        }
+        place.clear(self.model);
+    }
+
+    /// As [`Monitor::conclude`], and clears the place for the next [`Detector::exchange`].
+    pub fn conclude_from(&mut self, place: &mut Segment<P>) -> Conclusion<'_, P> {
+        self.take_from(place);
+        self.solve_rest();
+        self.conclusion()
+    }
+
+    // Out of line, as `fetch` is.
+    #[inline(never)]
+    fn start(&mut self) {
         self.solve = Solve::new(self.model.plan());
         self.report = Report::empty(self.model.plan());
         self.work = Work::Solving;

@@ -1,10 +1,12 @@
-use super::{Detector, Segment, Solver, conclude};
+use super::{Detector, Exchange, Monitor, Segment, Solver, conclude};
 use crate::alarm::Baseline;
 use crate::alarm::evidence::{Cause, Evidence};
 use crate::model::{Constants, EvidenceConstants, Model};
+use crate::plan::Plan;
 use crate::reason::Reason;
 use crate::report::{Report, Verdict};
 use crate::tests::{Drive, MODEL, SAMPLES, Sample, report, samples};
+use std::vec::Vec;
 
 pub(super) fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item = Sample>) -> Segment<Drive> {
     loop {
@@ -36,6 +38,82 @@ fn at_once_deferred_and_in_steps_give_the_same_reports() {
         assert_eq!(solver.advance(), Some(&expected), "the last step is repeated");
         assert!(steps.adopt(&solver.finish()) && !steps.adopt(&Report::empty(Drive)));
         assert_eq!(concluded, expected);
+    }
+}
+
+/// The reports of a stream, whose segments are exchanged; every third place comes back unread, and so not clear.
+fn exchanged<P: Plan>(model: &Model<P>, stream: impl Iterator<Item = P::Sample>, discard_at: usize) -> Vec<Report<P>> {
+    let [mut first, mut second] = [(); 2].map(|()| Segment::new(model));
+    let (mut detector, mut spare) = (Detector::with_place(model, &mut first), Some(&mut second));
+    let (mut monitor, mut reports) = (Monitor::new(model), Vec::new());
+    for (k, sample) in stream.enumerate() {
+        if k == discard_at {
+            detector.discard();
+        }
+        match detector.exchange(&sample, &mut spare) {
+            Exchange::Open => continue,
+            Exchange::Lost => panic!("no spare place at {k}"),
+            Exchange::Closed(place) => {
+                if reports.len() % 3 == 2 {
+                    monitor.take(place.clone());
+                } else {
+                    monitor.take_from(place);
+                }
+                spare = Some(place);
+            }
+        }
+        detector.adopt(monitor.complete().expect("a closed segment").report);
+        reports.push(monitor.report().expect("a concluded segment").clone());
+    }
+    reports
+}
+
+fn collected<P: Plan>(model: &Model<P>, stream: impl Iterator<Item = P::Sample>, discard_at: usize) -> Vec<Report<P>> {
+    let (mut detector, mut monitor, mut reports) = (Detector::new(model), Monitor::new(model), Vec::new());
+    for (k, sample) in stream.enumerate() {
+        if k == discard_at {
+            detector.discard();
+        }
+        if let Some(segment) = detector.collect(&sample) {
+            detector.adopt(monitor.conclude(segment).report);
+            reports.push(monitor.report().expect("a concluded segment").clone());
+        }
+    }
+    reports
+}
+
+#[test]
+fn exchanged_and_copied_segments_give_the_same_reports() {
+    let stream = || samples(0.7).take(6 * SAMPLES as usize + 50);
+    for discard_at in [usize::MAX, 30, 2 * SAMPLES as usize, 3 * SAMPLES as usize + 120] {
+        let expected = collected(&MODEL, stream(), discard_at);
+        assert_eq!(expected.len(), 6);
+        assert_eq!(exchanged(&MODEL, stream(), discard_at), expected, "{discard_at}");
+    }
+}
+
+#[test]
+fn without_a_spare_place_a_segment_is_lost_and_the_next_one_is_whole() {
+    // A place of another model, which is not clear.
+    let other = changed(|c| c.classifier.discriminant.means = [0.5, 1.1]);
+    let mut foreign = segment(&mut Detector::new(&other), samples(2.0));
+    let mut first = Segment::new(&MODEL);
+    let (mut detector, mut spare) = (Detector::with_place(&MODEL, &mut first), None);
+    let (mut next, mut again, mut copied) = (samples(0.7), samples(0.7), Detector::new(&MODEL));
+    let lost = (1..).find(|_| matches!(detector.exchange(&next.next().unwrap(), &mut spare), Exchange::Lost));
+    assert_eq!(lost, Some(SAMPLES));
+    segment(&mut copied, again.by_ref());
+    spare = Some(&mut foreign);
+    for number in 0..2 {
+        let closed = loop {
+            match detector.exchange(&next.next().unwrap(), &mut spare) {
+                Exchange::Open => {}
+                Exchange::Closed(place) => break place,
+                Exchange::Lost => panic!("there is a spare place"),
+            }
+        };
+        assert_eq!(*closed, segment(&mut copied, again.by_ref()), "{number}");
+        spare = Some(closed);
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a regression takes from a sample, what a solve must know of its rows, and sums over lags.
 
-use crate::plan::{Array, Plan, RegressionLayout, Signal, Signals};
+use crate::plan::{Array, Cells, Plan, RegressionLayout, Signal, Signals};
 use crate::signal::read;
 use crate::unroll::unrolled;
 
@@ -38,6 +38,15 @@ pub struct Frame<P: Plan> {
     /// Steady-state gain |A(1)| of the prefilter, by which an output error becomes the residual of a row; 1 by least
     /// squares.
     pub gain: f32,
+}
+
+impl<P: Plan> Frame<P> {
+    /// By least squares, of levels from zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn of_zeros(plan: P) -> Self {
+        Self { origin: [0.0; 3], base: Cells::filled(plan.layout().parameters(), 0.0), gain: 1.0 }
+    }
 }
 
 /// Adds the products of values and gains to `start`, in this order.

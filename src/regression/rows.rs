@@ -80,11 +80,10 @@ impl<P: Plan> Rows<P> {
     pub fn frame(&self, plan: P) -> Frame<P> {
         match (self.squares.part(), self.instruments.part()) {
             (_, Some(instruments)) => instruments.frame(plan),
-            (squares, None) => Frame {
-                origin: squares.map_or([0.0; 3], |squares| squares.origin),
-                base: Cells::filled(plan.layout().parameters(), 0.0),
-                gain: 1.0,
-            },
+            (squares, None) => {
+                let origin = squares.map_or([0.0; 3], |squares| squares.origin);
+                Frame { origin, ..Frame::of_zeros(plan) }
+            }
         }
     }
 

@@ -117,10 +117,9 @@ pub struct Shaft<P: Plan> {
     balance: BalanceState,
     residual: ResidualState,
     orders: OrderTracking<P>,
-    sums: ShaftSums<P>,
 }
 
-/// A closed segment's sums of the shaft, separate from the running state.
+/// A segment's sums of the shaft, separate from the running state.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftSums<P: Plan> {
@@ -132,13 +131,21 @@ pub struct ShaftSums<P: Plan> {
 
 impl<P: Plan> ShaftSums<P> {
     /// Nothing but the prior of the balance.
-    fn new(plan: P, balance: &Balance) -> Self {
+    pub(crate) fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
         Self {
-            balance: BalanceSums::new(balance, has_load(plan)),
+            balance: BalanceSums::new(&constants.balance, has_load(plan)),
             orders: OrderSums::new(plan),
             usage: Usage::default(),
             travel: TravelSums::default(),
         }
+    }
+
+    /// Nothing but the prior again, in place, since new ones would be moved.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self, plan: P, constants: &ShaftConstants<P>) {
+        self.balance.clear(&constants.balance, has_load(plan));
+        self.orders.clear();
+        (self.usage, self.travel) = (Usage::default(), TravelSums::default());
     }
 }
 
@@ -163,13 +170,18 @@ impl<P: Plan> Shaft<P> {
             balance: BalanceState::new(&constants.balance),
             residual: ResidualState::new(),
             orders: OrderTracking::new(plan),
-            sums: ShaftSums::new(plan, &constants.balance),
         }
     }
 
     /// Takes a sample; `good` says whether all channels of the shaft may be used.
     #[inline(always)]
-    pub fn step(&mut self, plan: P, constants: &ShaftConstants<P>, sample: &P::Sample, good: bool) {
+    pub fn step(
+        &mut self,
+        sums: &mut ShaftSums<P>,
+        plan: P,
+        constants: &ShaftConstants<P>,
+        (sample, good): (&P::Sample, bool),
+    ) {
         let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = plan.layout().shaft else {
             return;
         };
@@ -201,7 +213,7 @@ impl<P: Plan> Shaft<P> {
         };
         let angle = self.angle_back(angle);
         let turned = angle.since(core::mem::replace(&mut self.angle, angle));
-        let usage = &mut self.sums.usage;
+        let usage = &mut sums.usage;
         usage.seen = usage.seen.saturating_add(1);
         if self.filling > 0 {
             self.travel.restart();
@@ -219,17 +231,17 @@ impl<P: Plan> Shaft<P> {
         // A velocity of the angle agrees with it.
         if watched && clean && self.travel.step(turned, now.velocity_rad_s) {
             self.travel.close(
-                &mut self.sums.travel,
+                &mut sums.travel,
                 SLOWEST * constants.balance.sign_velocity_rad_s * constants.balance.interval_s,
             );
         }
         let frictions = constants.balance.frictions(&now);
-        self.balance.step(&mut self.sums.balance, (&constants.balance, has_load), &now, &frictions, clean);
+        self.balance.step(&mut sums.balance, (&constants.balance, has_load), &now, &frictions, clean);
         if orders > 0 {
             let tracking = &constants.tracking;
             let p = self.balance.present();
             let residual = self.residual.step(&constants.balance, &tracking.blocks, p, &now, &frictions, clean);
-            self.orders.step(&mut self.sums.orders, tracking, turned, (harmonics, residual));
+            self.orders.step(&mut sums.orders, tracking, turned, (harmonics, residual));
         }
     }
 
@@ -291,25 +303,17 @@ impl<P: Plan> Shaft<P> {
         newer.plus(Angle::from_bits((part as i32).cast_unsigned()))
     }
 
-    /// The sums of the open segment.
-    #[inline(always)]
-    #[must_use]
-    pub const fn sums(&self) -> &ShaftSums<P> {
-        &self.sums
-    }
-
     /// Starts a segment; filters and phases continue.
     #[inline(always)]
-    pub fn next_segment(&mut self, plan: P, constants: &ShaftConstants<P>) {
-        self.balance.next_segment(&mut self.sums.balance, &constants.balance, has_load(plan));
-        self.orders.next_segment(&mut self.sums.orders);
-        (self.sums.usage, self.sums.travel) = (Usage::default(), TravelSums::default());
+    pub fn next_segment(&mut self) {
+        self.balance.next_segment();
+        self.orders.next_segment();
     }
 
     /// Starts afresh as if nothing had been sampled, in place: a new one would be moved.
     #[inline(always)]
-    pub fn renew(&mut self, plan: P, constants: &ShaftConstants<P>) {
-        self.next_segment(plan, constants);
+    pub fn renew(&mut self, constants: &ShaftConstants<P>) {
+        self.next_segment();
         self.balance.renew(&constants.balance);
         self.orders.renew();
         // What the ring held is not trusted: a sample that is lost next would be replaced by it.

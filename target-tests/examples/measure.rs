@@ -13,7 +13,7 @@ use bearing_watch::drive::{AlphaBeta, RotorFrame};
 use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{Channel, FeatureValue, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Plan};
-use bearing_watch::{Angle, Detector, Model, Monitor, Park, Segment};
+use bearing_watch::{Angle, Detector, Exchange, Model, Monitor, Park, Segment};
 
 use support::count::Counter;
 use support::numbers::Numbers;
@@ -205,23 +205,24 @@ fn monitor(counter: &mut Counter) {
 /// What a drive calls: a sample that collects, the sample that closes a segment, its solve at once and in steps, and
 /// reading the model.
 fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<P>, samples: &[P::Sample]) {
-    let mut detector = Detector::new(black_box(model));
+    let [mut one, mut other] = [(); 2].map(|()| Segment::new(model));
+    let (mut detector, mut spare) = (Detector::with_place(black_box(model), &mut one), Some(&mut other));
     let length = model.constants().sampling.segment_samples;
-    let mut segment: Option<Segment<P>> = None;
+    let (mut monitor, mut segment) = (Monitor::new(model), None);
     let (mut total, mut longest, mut close) = (0, 0, 0);
     let mut next = samples.iter().cycle();
     // The first segment fills lags and filters.
     for number in 0..2 * length {
         let Some(sample) = next.next() else { return };
-        let mut closed = false;
+        let mut closed = Exchange::Open;
         let one = counter.instructions_per_call(1, |_| {
-            // Nothing is copied unless the segment is closed, as in a drive.
-            if let Some(found) = black_box(&mut detector).collect(black_box(sample)) {
-                (segment, closed) = (Some(found), true);
-            }
+            closed = black_box(&mut detector).exchange(black_box(sample), black_box(&mut spare));
         });
-        if closed {
+        if let Exchange::Closed(place) = closed {
             close = one;
+            segment = Some(place.clone());
+            monitor.conclude_from(place);
+            spare = Some(place);
         } else if number >= length {
             (total, longest) = (total + one, one.max(longest));
         }
@@ -230,11 +231,9 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
     line(format_args!("{name}, collect, mean sample"), n, total / (length - 1), Some(size_of_val(&detector)));
     line(format_args!("{name}, collect, longest sample"), n, longest, None);
     line(format_args!("{name}, collect, sample that closes"), n, close, Some(size_of_val(&segment)));
-    let (mut verdict, mut monitor, mut next) = (None, Monitor::new(model), Some(segment.clone()));
+    let (mut verdict, mut place) = (None, segment.clone());
     let whole = counter.instructions_once(|| {
-        if let Some(segment) = black_box(&mut next).take() {
-            verdict = Some(black_box(&mut monitor).conclude(segment).report.verdict);
-        }
+        verdict = Some(black_box(&mut monitor).conclude_from(black_box(&mut place)).report.verdict);
     });
     line(format_args!("{name}, conclude"), n, whole, None);
     if let Some(bearing_watch::Verdict::Undetermined(reason)) = verdict {

@@ -13,7 +13,7 @@ use core::hint::black_box;
 
 use bearing_watch::drive::{By, Factor, FrontEnd, RawSample};
 use bearing_watch::plan::{Cells, Plan, Signals};
-use bearing_watch::{Angle, Detector, Model, Monitor, Segment};
+use bearing_watch::{Angle, Detector, Exchange, Model, Monitor, Segment};
 
 use support::count::Counter;
 use support::damage::{CHANNELS, Damage, Dice, Recipe};
@@ -127,7 +127,9 @@ fn stream<P: Plan>(
         core::array::from_fn(|k| model.constants().channels.cells().get(k).map_or(0.0, |channel| channel.limit));
     let mut damage = Damage::new(recipe);
     let mut choices = Dice(recipe.seed() ^ 0x5555_5555);
-    let mut detector = if choices.below(4) == 0 { Detector::new(model) } else { warm.clone() };
+    let [mut one, mut other] = [(); 2].map(|()| Segment::new(model));
+    let start = if choices.below(4) == 0 { Detector::new(model) } else { warm.clone() };
+    let (mut detector, mut spare) = (start.in_place(&mut one), Some(&mut other));
     let mut monitor = Monitor::new(model);
     // The report of the last segment, and the number of samples until it is handed over.
     let mut late = None;
@@ -138,27 +140,23 @@ fn stream<P: Plan>(
         let mut angle: Angle = sample.angle();
         damage.spoil(kind, &limits, &mut values, &mut angle);
         let sample = P::Sample::of(&values, angle);
-        let mut segment: Option<Segment<P>> = None;
-        let mut closed = false;
+        let mut closed = Exchange::Open;
         let one = counter.instructions_per_call(1, |_| {
-            // Nothing is copied unless the segment is closed, as in a drive.
-            if let Some(found) = black_box(&mut detector).collect(black_box(&sample)) {
-                (segment, closed) = (Some(found), true);
-            }
+            closed = black_box(&mut detector).exchange(black_box(&sample), black_box(&mut spare));
         });
-        if closed {
+        if matches!(closed, Exchange::Closed(_)) {
             close_most = one.max(close_most);
         } else {
             sample_most = one.max(sample_most);
         }
-        if let Some(segment) = segment {
+        if let Exchange::Closed(place) = closed {
             if choices.below(3) > 0 {
                 let whole = counter.instructions_once(|| {
-                    black_box(black_box(&mut monitor).conclude(black_box(segment)).alarm);
+                    black_box(black_box(&mut monitor).conclude_from(black_box(place)).alarm);
                 });
                 conclude_most = whole.max(conclude_most);
             } else {
-                monitor.take(segment);
+                monitor.take_from(place);
                 while monitor.is_solving() {
                     let step = counter.instructions_once(|| {
                         black_box(black_box(&mut monitor).advance().is_some());
@@ -166,6 +164,7 @@ fn stream<P: Plan>(
                     step_most = step.max(step_most);
                 }
             }
+            spare = Some(place);
             late = monitor.report().map(|report| (report.clone(), choices.below(12)));
         }
         match &mut late {

@@ -17,7 +17,7 @@ mod model {
 use core::hint::black_box;
 
 use bearing_watch::drive::{PhaseCounts, RawSample};
-use bearing_watch::{Detector, Model, Segment};
+use bearing_watch::{Detector, Exchange, Model, Monitor, Segment};
 
 use model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
 use support::count::Counter;
@@ -45,17 +45,21 @@ fn run() {
     constants.sampling.segment_samples = SEGMENT;
     let Ok(model) = Model::new(MODEL.plan(), constants) else { return say!("no model with short segments") };
     let Ok(front_end) = DriveFrontEnd::new(&FRONT_END) else { return say!("no front end") };
-    let mut drive = Interrupt { front_end, detector: Detector::new(black_box(&model)) };
+    let [mut one, mut other] = [(); 2].map(|()| Segment::new(&model));
+    let detector = Detector::with_place(black_box(&model), &mut one);
+    let mut drive = Interrupt { front_end, detector, spare: Some(&mut other), closed: None };
+    let mut monitor = Monitor::new(&model);
     let mut motor = Motor::<FURTHER>::new(Sensors::Converter);
-    let mut queue: Option<Segment<Drive>> = None;
     for _ in 0..WARM {
-        drive.row(&row(&mut motor, 0), &mut queue);
+        drive.row(&row(&mut motor, 0));
+        drive.give_back(&mut monitor);
     }
     let (mut sum, mut longest, mut closing, mut discarding) = (0, 0, 0, 0);
     for number in 0..ROWS + FAULTY {
         let raw = row(&mut motor, if number < ROWS { 0 } else { ERROR });
         let mut event = Event::None;
-        let taken = counter.instructions_once(|| event = drive.row(black_box(&raw), black_box(&mut queue)));
+        let taken = counter.instructions_once(|| event = drive.row(black_box(&raw)));
+        drive.give_back(&mut monitor);
         match event {
             Event::Closed => closing = taken,
             Event::Discarded => discarding = taken.max(discarding),
@@ -65,7 +69,7 @@ fn run() {
             sum += taken;
         }
     }
-    if closing == 0 || discarding == 0 || queue.is_none() {
+    if closing == 0 || discarding == 0 {
         say!("no segment was closed, or no fault was found");
     }
     line("mean row", sum / ROWS);
@@ -85,21 +89,31 @@ enum Event {
 /// What the interrupt works on.
 struct Interrupt<'a> {
     front_end: DriveFrontEnd,
-    detector: Detector<'a, Drive>,
+    detector: Detector<'a, Drive, &'a mut Segment<Drive>>,
+    spare: Option<&'a mut Segment<Drive>>,
+    closed: Option<&'a mut Segment<Drive>>,
 }
 
 impl Interrupt<'_> {
-    fn row(&mut self, raw: &RawSample<FURTHER>, queue: &mut Option<Segment<Drive>>) -> Event {
+    fn row(&mut self, raw: &RawSample<FURTHER>) -> Event {
         let Some(clean) = self.front_end.push(raw) else { return Event::None };
         let found_late = clean.found_late;
         if found_late {
             self.detector.discard();
         }
-        if let Some(segment) = self.detector.collect(&clean.into()) {
-            *queue = Some(segment);
+        if let Exchange::Closed(place) = self.detector.exchange(&clean.into(), &mut self.spare) {
+            self.closed = Some(place);
             return Event::Closed;
         }
         if found_late { Event::Discarded } else { Event::None }
+    }
+
+    /// What the main loop does with a closed segment.
+    fn give_back(&mut self, monitor: &mut Monitor<'_, Drive>) {
+        if let Some(place) = self.closed.take() {
+            monitor.take_from(place);
+            self.spare = Some(place);
+        }
     }
 }
 

@@ -17,7 +17,7 @@ use core::fmt::{self, Write as _};
 
 use bearing_watch::drive::{By, CleanSample, Factor, FrontEnd, RawSample};
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{Angle, Detector, Model, Monitor, Report, Segment, Verdict};
+use bearing_watch::{Angle, Detector, Exchange, Model, Monitor, Report, Segment, Verdict};
 
 use any_plan::{AnyPlan, Values};
 use support::damage::{CHANNELS, Damage, Dice, Recipe};
@@ -78,7 +78,8 @@ impl fmt::Write for Text {
 /// What is behind the front end.
 struct Rest<'m> {
     model: &'m Model<AnyPlan>,
-    detector: Detector<'m, AnyPlan>,
+    detector: Detector<'m, AnyPlan, &'m mut Segment<AnyPlan>>,
+    spare: Option<&'m mut Segment<AnyPlan>>,
     monitor: Monitor<'m, AnyPlan>,
     /// The report of the last segment, and the number of samples until it is handed over.
     late: Option<(Report<AnyPlan>, u32)>,
@@ -89,14 +90,17 @@ struct Rest<'m> {
 }
 
 impl<'m> Rest<'m> {
-    fn new(model: &'m Model<AnyPlan>, dice: Dice) -> Self {
-        let (detector, monitor) = (Detector::new(model), Monitor::new(model));
-        Self { model, detector, monitor, late: None, dice, text: Text(0x811c_9dc5), segments: 0, decided: 0 }
+    fn new(model: &'m Model<AnyPlan>, [first, second]: &'m mut [Segment<AnyPlan>; 2], dice: Dice) -> Self {
+        let (detector, monitor) = (Detector::with_place(model, first), Monitor::new(model));
+        let spare = Some(second);
+        Self { model, detector, spare, monitor, late: None, dice, text: Text(0x811c_9dc5), segments: 0, decided: 0 }
     }
 
     fn take(&mut self, sample: &Values) {
-        if let Some(segment) = self.detector.collect(sample) {
-            self.conclude(segment);
+        match self.detector.exchange(sample, &mut self.spare) {
+            Exchange::Open => {}
+            Exchange::Lost => self.add(format_args!("lost")),
+            Exchange::Closed(place) => self.conclude(place),
         }
         match self.late.take() {
             Some((report, 0)) => {
@@ -108,15 +112,18 @@ impl<'m> Rest<'m> {
         }
     }
 
-    fn conclude(&mut self, segment: Segment<AnyPlan>) {
-        if self.dice.below(2) == 0 {
-            self.monitor.conclude(segment);
-        } else {
-            self.monitor.take(segment);
-            while self.monitor.is_solving() {
-                self.monitor.advance();
+    fn conclude(&mut self, place: &'m mut Segment<AnyPlan>) {
+        match self.dice.below(3) {
+            0 => drop(self.monitor.conclude(place.clone())),
+            1 => drop(self.monitor.conclude_from(place)),
+            _ => {
+                self.monitor.take_from(place);
+                while self.monitor.is_solving() {
+                    self.monitor.advance();
+                }
             }
         }
+        self.spare = Some(place);
         let (alarm, score) = (self.monitor.alarm(), self.monitor.evidence().score());
         let Some(report) = self.monitor.report().cloned() else { return };
         self.segments += 1;
@@ -150,7 +157,8 @@ where
     let Ok(mut front_end) = FrontEnd::<FURTHER, FACTOR>::new(&CONSTANTS) else { return };
     let sensors = if dice.below(2) == 0 { Sensors::Resolver } else { Sensors::Converter };
     let mut motor = Motor::<FURTHER>::new(sensors);
-    let mut rest = Rest::new(model, *dice);
+    let mut places = [(); 2].map(|()| Segment::new(model));
+    let mut rest = Rest::new(model, &mut places, *dice);
     let mut damage = RawDamage::new(&Recipe::random(dice));
     let mut count = 0_u32;
     while rest.segments < SEGMENTS {
@@ -180,7 +188,8 @@ where
 fn plain(number: u32, model: &Model<AnyPlan>, dice: &mut Dice) {
     const LIMITS: [f32; CHANNELS] = [100.0, 500.0, 2.0, 500.0];
     let mut plant = Plant::new(number);
-    let mut rest = Rest::new(model, *dice);
+    let mut places = [(); 2].map(|()| Segment::new(model));
+    let mut rest = Rest::new(model, &mut places, *dice);
     let mut damage = Damage::new(&Recipe::GOOD);
     let mut count = 0_u32;
     while rest.segments < SEGMENTS {

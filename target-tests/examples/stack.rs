@@ -14,7 +14,7 @@ use core::hint::black_box;
 #[cfg(target_os = "none")]
 use bearing_watch::plan::Plan;
 #[cfg(target_os = "none")]
-use bearing_watch::{Detector, Model, Monitor, Verdict};
+use bearing_watch::{Detector, Exchange, Model, Monitor, Segment, Verdict};
 #[cfg(target_os = "none")]
 use support::paint::stack_of;
 #[cfg(target_os = "none")]
@@ -68,18 +68,20 @@ fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::
         *deepest = bytes.max(*deepest);
     }
     assert_eq!(classified, 2, "a segment brought no class: {last:?}");
-    let (mut collect, mut segment) = (0, None);
-    while segment.is_none() {
-        let sample = black_box(sample());
-        let bytes = stack_of(|| {
-            segment = detector.collect(&sample);
-            black_box(&segment);
-        });
+    let [mut one, mut other] = [(); 2].map(|()| Segment::new(model));
+    let (mut detector, mut spare) = (detector.in_place(&mut one), Some(&mut other));
+    let mut collect = 0;
+    let segment = loop {
+        let (sample, mut closed) = (black_box(sample()), Exchange::Open);
+        let bytes = stack_of(|| closed = black_box(detector.exchange(&sample, &mut spare)));
         collect = bytes.max(collect);
-    }
-    let Some(segment) = segment else { return };
+        if let Exchange::Closed(place) = closed {
+            break place;
+        }
+    };
     let mut monitor = Monitor::new(model);
-    monitor.take(segment.clone());
+    let mut again = segment.clone();
+    monitor.take_from(segment);
     let mut step = 0;
     while monitor.is_solving() {
         step = stack_of(|| {
@@ -87,12 +89,9 @@ fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::
         })
         .max(step);
     }
-    let mut segment = Some(segment);
     let conclude = stack_of(|| {
-        if let Some(segment) = segment.take() {
-            let now = monitor.conclude(segment);
-            classified += u32::from(matches!(black_box(&now).report.verdict, Verdict::Class(_)));
-        }
+        let now = monitor.conclude_from(&mut again);
+        classified += u32::from(matches!(black_box(&now).report.verdict, Verdict::Class(_)));
     });
     assert_eq!(classified, 3, "a segment brought no class");
     let calls = [

@@ -1,5 +1,5 @@
 use bearing_watch::drive::{FrontEndError, PhaseCounts, RawSample};
-use bearing_watch::{Detector, Kernel, Monitor, Segment, Verdict, known_answer_test};
+use bearing_watch::{Detector, Exchange, Kernel, Monitor, Segment, Verdict, known_answer_test};
 
 use super::model::{Drive, DriveFrontEnd, FRONT_END, MODEL, position};
 
@@ -13,13 +13,25 @@ pub struct Reading {
     pub velocity_ref_rad_s: f32,
 }
 
-/// At boot.
-pub fn start() -> Result<(DriveFrontEnd, Detector<'static, Drive>, Monitor<'static, Drive>), &'static str> {
+/// Room for a segment: the interrupt fills one while the main loop reads another.
+pub type Place = &'static mut Segment<Drive>;
+
+/// The interrupt's half.
+pub struct Sampler {
+    pub front_end: DriveFrontEnd,
+    pub detector: Detector<'static, Drive, Place>,
+    /// The place that the main loop has given back.
+    pub spare: Option<Place>,
+}
+
+/// At boot, with two clear places.
+pub fn start(first: Place, second: Place) -> Result<(Sampler, Monitor<'static, Drive>), &'static str> {
     known_answer_test().map_err(Kernel::message)?; // this chip computes what the host computed in training
     let front_end = DriveFrontEnd::new(&FRONT_END).map_err(FrontEndError::message)?;
     // Refuses a model that was trained with the other Park convention.
     MODEL.check_rotor_frame(front_end.frame()).map_err(|error| error.message())?;
-    Ok((front_end, Detector::new(&MODEL), Monitor::new(&MODEL)))
+    let detector = Detector::with_place(&MODEL, first);
+    Ok((Sampler { front_end, detector, spare: Some(second) }, Monitor::new(&MODEL)))
 }
 
 /// In the interrupt, once before its first sample and before the power stage is on: an interrupt has settings of the
@@ -29,12 +41,8 @@ pub fn test() -> Result<(), &'static str> {
 }
 
 /// The interrupt of the control loop: counts of the converters in; a closed segment once in a few seconds.
-pub fn interrupt(
-    front_end: &mut DriveFrontEnd,
-    detector: &mut Detector<'static, Drive>,
-    reading: &Reading,
-) -> Option<Segment<Drive>> {
-    let clean = front_end.push(&RawSample {
+pub fn interrupt(sampler: &mut Sampler, reading: &Reading) -> Option<Place> {
+    let clean = sampler.front_end.push(&RawSample {
         number: reading.number,
         currents: PhaseCounts::Three(reading.phases),
         position: position(reading.position.into()),
@@ -42,9 +50,13 @@ pub fn interrupt(
     })?;
     if clean.found_late {
         // A fault that shows only after a window of samples: those before were wrong.
-        detector.discard();
+        sampler.detector.discard();
     }
-    detector.collect(&clean.into())
+    match sampler.detector.exchange(&clean.into(), &mut sampler.spare) {
+        Exchange::Closed(place) => Some(place),
+        // Lost: the main loop has not given the other place back. The next segment begins in this one.
+        Exchange::Open | Exchange::Lost => None,
+    }
 }
 
 /// The name of a verdict.

@@ -10,15 +10,17 @@ mod model;
 use core::cell::RefCell;
 use core::panic::PanicInfo;
 
-use bearing_watch::{Detector, Segment};
+use bearing_watch::Segment;
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::singleton;
 use cortex_m_rt::{entry, exception};
 use cortex_m_semihosting::{debug, hprintln};
 
 use converters::Converters;
-use model::{Drive, DriveFrontEnd};
+use detector::{Place, Sampler};
+use model::{Drive, MODEL};
 
 /// Clock cycles between two interrupts: 0.5 ms at 168 MHz. The emulator executes only 3.9 instructions in 1 µs, so the
 /// recording of 10 kHz is played at 2 kHz.
@@ -28,10 +30,9 @@ const CYCLES: u32 = 84_000;
 /// `frameworks/rtic` of bearing-watch shows that.
 struct Interrupt {
     converters: Converters,
-    front_end: DriveFrontEnd,
-    detector: Detector<'static, Drive>,
-    /// For the main loop; a segment that is not taken before the next one closes is lost.
-    closed: Option<Segment<Drive>>,
+    sampler: Sampler,
+    /// For the main loop; it gives the place back before the next segment closes, or that one is lost.
+    closed: Option<Place>,
     ended: bool,
     tested: bool,
     failed: Option<&'static str>,
@@ -54,8 +55,8 @@ fn SysTick() {
         }
         match data.converters.next() {
             Some(reading) => {
-                if let Some(segment) = detector::interrupt(&mut data.front_end, &mut data.detector, &reading) {
-                    data.closed = Some(segment);
+                if let Some(place) = detector::interrupt(&mut data.sampler, &reading) {
+                    data.closed = Some(place);
                 }
             }
             None => data.ended = true,
@@ -65,18 +66,22 @@ fn SysTick() {
 
 #[entry]
 fn main() -> ! {
-    let (front_end, detector, mut monitor) = match detector::start() {
+    let first = singleton!(: Segment<Drive> = Segment::new(&MODEL));
+    let second = singleton!(: Segment<Drive> = Segment::new(&MODEL));
+    let (Some(first), Some(second)) = (first, second) else { fail("the places are taken") };
+    let (sampler, mut monitor) = match detector::start(first, second) {
         Ok(parts) => parts,
         Err(message) => fail(message),
     };
     let converters = Converters::new();
-    let data = Interrupt { converters, front_end, detector, closed: None, ended: false, tested: false, failed: None };
+    let data = Interrupt { converters, sampler, closed: None, ended: false, tested: false, failed: None };
     interrupt::free(|cs| INTERRUPT.borrow(cs).replace(Some(data)));
     start_interrupt();
     loop {
-        if let Some(segment) = masked(|data| data.closed.take()).flatten() {
-            let now = monitor.conclude(segment); // now.silence: whether verdicts have been missing for too long, and why
-            masked(|data| data.detector.adopt(now.report)); // for instrumental variables and --huber
+        if let Some(place) = masked(|data| data.closed.take()).flatten() {
+            let now = monitor.conclude_from(place); // now.silence: whether verdicts have been missing for too long, and why
+            masked(|data| data.sampler.spare = Some(place));
+            masked(|data| data.sampler.detector.adopt(now.report)); // for instrumental variables and --huber
             let alarm = if now.alarm.is_some() { ", ALARM" } else { "" };
             hprintln!("{}, {} rows{}", detector::name(now.report.verdict), now.report.rows, alarm);
         } else if masked(|data| data.ended) == Some(true) {

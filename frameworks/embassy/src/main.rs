@@ -1,7 +1,7 @@
 //! The drive monitor of `examples/drive.rs` under embassy.
 //!
 //! ```text
-//! control  interrupt, every control period   row ─► FrontEnd ─► Sample ─► Detector::collect ─► CLOSED
+//! control  interrupt, every control period   row ─► FrontEnd ─► Sample ─► Detector::exchange ─► CLOSED
 //! main     task of the thread executor       CLOSED ─► Monitor::advance, a step at a time ─► adopt, evidence, alarm
 //! ```
 //!
@@ -25,7 +25,6 @@ mod rows;
 
 use core::cell::RefCell;
 
-use bearing_watch::Segment;
 use cortex_m::peripheral::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::exception;
@@ -35,8 +34,8 @@ use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
 
-use drive_parts::{Sampler, Watch};
-use model::{Drive, FURTHER};
+use drive_parts::{Place, Sampler, Watch};
+use model::FURTHER;
 use rows::Rows;
 use support::target;
 
@@ -53,7 +52,7 @@ struct Control {
 static CONTROL: Mutex<CriticalSectionRawMutex, RefCell<Option<Control>>> = Mutex::new(RefCell::new(None));
 
 /// From the interrupt to the task: closed segments, and `None` when the recording has ended.
-static CLOSED: Channel<CriticalSectionRawMutex, Option<Segment<Drive>>, 2> = Channel::new();
+static CLOSED: Channel<CriticalSectionRawMutex, Option<Place>, 2> = Channel::new();
 
 /// Runs `work` on the interrupt's data, with interrupts masked.
 fn masked<T>(work: impl FnOnce(&mut Control) -> T) -> Option<T> {
@@ -64,7 +63,12 @@ fn masked<T>(work: impl FnOnce(&mut Control) -> T) -> Option<T> {
 #[exception]
 fn SysTick() {
     masked(|control| match control.rows.next() {
-        Some(raw) => control.sampler.sample(&raw, |segment| CLOSED.try_send(Some(segment)).is_ok()),
+        Some(raw) => {
+            if let Some(place) = control.sampler.sample(&raw) {
+                // There is one closed place at a time, and room for it.
+                drop(CLOSED.try_send(Some(place)));
+            }
+        }
         // If there is no room, the next period tries again.
         None => drop(CLOSED.try_send(None)),
     });
@@ -80,8 +84,9 @@ async fn main(_spawner: Spawner) {
     CONTROL.lock(|control| control.replace(Some(Control { rows, sampler })));
     start_interrupt();
     let mut watch = Watch::new();
-    while let Some(segment) = CLOSED.receive().await {
-        watch.monitor.take(segment);
+    while let Some(place) = CLOSED.receive().await {
+        watch.monitor.take_from(place);
+        masked(|control| control.sampler.spare = Some(place));
         // By steps, between which other tasks run.
         while watch.monitor.is_solving() {
             watch.advance(|report| masked(|control| control.sampler.detector.adopt(report)));

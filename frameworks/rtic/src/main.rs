@@ -1,12 +1,12 @@
 //! The drive monitor of `examples/drive.rs` under RTIC 2.
 //!
 //! ```text
-//! control  priority 2, every control period   row ─► FrontEnd ─► Sample ─► Detector::collect ─► solve
-//! solve    priority 1, once a segment         Monitor::take, advance ─► adopt, alarm
+//! control  priority 2, every control period   row ─► FrontEnd ─► Sample ─► Detector::exchange ─► solve
+//! solve    priority 1, once a segment         Monitor::take_from, advance ─► adopt, alarm
 //! idle                                        the other work of the drive
 //! ```
 //!
-//! `control` interrupts `solve` at any time; only `adopt` locks it out. `cargo xtask frameworks` runs it in the emulator.
+//! `control` interrupts `solve` at any time; only `adopt` and the return of the place lock it out. `cargo xtask frameworks` runs it in the emulator.
 
 #![no_std]
 #![no_main]
@@ -27,11 +27,10 @@ mod rows;
 
 #[rtic::app(device = crate::device, peripherals = false, dispatchers = [EXTI0])]
 mod app {
-    use bearing_watch::Segment;
     use cortex_m::peripheral::syst::SystClkSource;
 
-    use crate::drive_parts::{Sampler, Watch};
-    use crate::model::{Drive, FURTHER};
+    use crate::drive_parts::{Place, Sampler, Watch};
+    use crate::model::FURTHER;
     use crate::rows::Rows;
     use crate::support::target;
 
@@ -81,14 +80,18 @@ mod app {
             let _ = end::spawn();
             return;
         };
-        cx.shared.sampler.lock(|sampler| sampler.sample(&raw, |segment| solve::spawn(segment).is_ok()));
+        if let Some(place) = cx.shared.sampler.lock(|sampler| sampler.sample(&raw)) {
+            // There is one closed place at a time, and so one task.
+            let _spawned = solve::spawn(place).is_ok();
+        }
     }
 
     #[task(priority = 1, shared = [sampler, watch])]
-    async fn solve(mut cx: solve::Context, segment: Segment<Drive>) {
+    async fn solve(mut cx: solve::Context, place: Place) {
         let sampler = &mut cx.shared.sampler;
         cx.shared.watch.lock(|watch| {
-            watch.monitor.take(segment);
+            watch.monitor.take_from(place);
+            sampler.lock(|sampler| sampler.spare = Some(place));
             while watch.monitor.is_solving() {
                 watch.advance(|report| sampler.lock(|sampler| sampler.detector.adopt(report)));
             }

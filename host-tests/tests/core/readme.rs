@@ -2,7 +2,7 @@
 //! simulated actuator.
 
 use bearing_watch::drive::{PhaseCounts, RawSample};
-use bearing_watch::{Detector, Monitor};
+use bearing_watch::{Detector, Monitor, Segment};
 use rig::ema::{EmaCondition, EmaDefect, EmaScenario, EmaTrace, Race, simulate};
 use rig::{DefectKind, trace_seed};
 
@@ -17,7 +17,7 @@ mod monitor {
     include!(concat!(env!("OUT_DIR"), "/readme.rs"));
 }
 
-use detector::{Reading, interrupt, name, start, test};
+use detector::{Place, Reading, interrupt, name, start, test};
 use model::{DriveFrontEnd, FRONT_END, FURTHER, MODEL, position};
 
 /// Rows at 10 kHz that one segment takes: 2.4 s.
@@ -59,16 +59,18 @@ fn raw(reading: &Reading) -> RawSample<FURTHER> {
 /// The classes of the segments of a recording whose seed is not that of training, and whether there is an alarm.
 fn verdicts(kind: DefectKind) -> Vec<(&'static str, bool)> {
     test().expect("the arithmetic of a host");
-    let (mut front_end, mut detector, mut monitor) = start().expect("constants of the example");
+    let place = || -> Place { Box::leak(Box::new(Segment::new(&MODEL))) };
+    let (mut sampler, mut monitor) = start(place(), place()).expect("constants of the example");
     let mut found = Vec::new();
     for reading in readings(&recording(kind)) {
-        if let Some(segment) = interrupt(&mut front_end, &mut detector, &reading) {
-            let now = monitor.conclude(segment);
-            detector.adopt(now.report);
+        if let Some(place) = interrupt(&mut sampler, &reading) {
+            let now = monitor.conclude_from(place);
+            sampler.spare = Some(place);
+            sampler.detector.adopt(now.report);
             found.push((name(now.report.verdict), now.alarm.is_some()));
         }
     }
-    assert!(front_end.faults().is_clear(), "{:?}", front_end.faults());
+    assert!(sampler.front_end.faults().is_clear(), "{:?}", sampler.front_end.faults());
     found
 }
 

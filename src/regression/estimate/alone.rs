@@ -14,6 +14,7 @@ pub struct Alone<'m, P: Plan> {
     constants: &'m Regression<P>,
     gate: Gate<P>,
     estimator: Estimator<P>,
+    sums: RegressionSums<P>,
 }
 
 /// A closed segment, and its solve.
@@ -29,7 +30,8 @@ impl<'m, P: Plan> Alone<'m, P> {
     /// Nothing sampled yet; the plan must have a regression.
     #[must_use]
     pub fn new(plan: P, channels: &'m Array<P::Channels, Channel>, constants: &'m Regression<P>) -> Self {
-        Self { plan, channels, constants, gate: Gate::new(plan), estimator: Estimator::new(plan, constants) }
+        let (gate, estimator, sums) = (Gate::new(plan), Estimator::new(plan, constants), RegressionSums::new(plan));
+        Self { plan, channels, constants, gate, estimator, sums }
     }
 
     /// Takes one sample.
@@ -39,7 +41,8 @@ impl<'m, P: Plan> Alone<'m, P> {
         let Some(layout) = self.plan.layout().regression else { return };
         if refused == 0 {
             let y_limit = crate::signal::limit(self.channels, layout.y);
-            self.estimator.take(self.plan, self.constants, Inputs::of(&layout, sample), y_limit);
+            let inputs = Inputs::of(&layout, sample);
+            self.estimator.take(&mut self.sums, self.plan, self.constants, (inputs, y_limit));
         } else {
             self.estimator.skip(self.plan);
         }
@@ -48,13 +51,13 @@ impl<'m, P: Plan> Alone<'m, P> {
     /// Rows of the open segment.
     #[must_use]
     pub const fn rows(&self) -> u32 {
-        self.estimator.rows()
+        self.sums.count
     }
 
     /// What was refused in the open segment.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        let (downweighted, resting, refused) = self.estimator.counts();
+        let (downweighted, resting, refused) = self.estimator.counts(&self.sums);
         Counts { downweighted, resting, refused, ..self.gate.counts }
     }
 
@@ -63,10 +66,11 @@ impl<'m, P: Plan> Alone<'m, P> {
     fn segment(&self) -> Detached<P> {
         let mut segment = Detached {
             plan: self.plan,
-            sums: self.estimator.sums(self.plan, self.constants.rest),
+            sums: self.sums.clone(),
             solve: RegressionSolve::new(self.plan),
             estimate: Estimate::empty(self.plan),
         };
+        self.estimator.close(&mut segment.sums, self.plan, self.constants.rest);
         let mask = self.plan.layout().regression.map_or(0, |layout: RegressionLayout| layout.mask());
         if let Some(channel) = self.gate.counts.stuck.first_of(mask) {
             segment.estimate.reason = Some(Reason::Stuck { channel });
@@ -101,6 +105,7 @@ impl<'m, P: Plan> Alone<'m, P> {
     pub fn next_segment(&mut self) {
         self.gate.next_segment();
         self.estimator.next_segment(self.plan, self.constants);
+        self.sums.next_segment(self.plan);
     }
 
     /// Offers an estimate as the next auxiliary model.

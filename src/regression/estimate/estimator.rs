@@ -30,19 +30,11 @@ use crate::regression::{Frame, Inputs, Regression, Rows};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Estimator<P: Plan> {
     rows: Rows<P>,
-    sums: Sums<P>,
-    /// Rows of the open segment.
-    count: u32,
-    /// Sum of the rows' motion.
-    motion: f32,
-    /// Rows of less weight, and rows that fading memory ignored.
-    downweighted: u32,
-    resting: u32,
     /// Of the open segment.
     segment: SegmentNumber,
 }
 
-/// The sums of a closed segment, separate from the estimator.
+/// The sums of a segment, separate from the running state.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RegressionSums<P: Plan> {
@@ -50,6 +42,11 @@ pub struct RegressionSums<P: Plan> {
     frame: Frame<P>,
     /// Rows of the segment.
     pub count: u32,
+    /// Sum of the rows' motion.
+    motion: f32,
+    /// Rows of less weight, and rows that fading memory ignored.
+    downweighted: u32,
+    resting: u32,
     at_rest: bool,
     segment: SegmentNumber,
 }
@@ -73,18 +70,10 @@ enum Step {
 }
 
 impl<P: Plan> Estimator<P> {
-    /// An empty segment.
+    /// Nothing sampled yet.
     #[must_use]
     pub fn new(plan: P, constants: &Regression<P>) -> Self {
-        Self {
-            rows: Rows::new(plan, constants),
-            sums: Sums::new(plan),
-            count: 0,
-            motion: 0.0,
-            downweighted: 0,
-            resting: 0,
-            segment: SegmentNumber::FIRST,
-        }
+        Self { rows: Rows::new(plan, constants), segment: SegmentNumber::FIRST }
     }
 
     /// Starts afresh, in place; segments are counted on, so that no earlier estimate passes for one of the next
@@ -92,28 +81,32 @@ impl<P: Plan> Estimator<P> {
     #[inline(always)]
     pub fn restart(&mut self, plan: P, constants: &Regression<P>) {
         self.rows = Rows::new(plan, constants);
-        self.sums.empty();
         self.segment = self.segment.next();
-        (self.count, self.motion, self.downweighted, self.resting) = (0, 0.0, 0, 0);
     }
 
     /// Takes an accepted sample; `y_limit` is the largest plausible output. Once the segment has as many rows as its
     /// memory allows, nothing is added until the next segment.
     #[inline(always)]
-    pub fn take(&mut self, plan: P, constants: &Regression<P>, inputs: Inputs, y_limit: f32) {
+    pub fn take(
+        &mut self,
+        sums: &mut RegressionSums<P>,
+        plan: P,
+        constants: &Regression<P>,
+        (inputs, y_limit): (Inputs, f32),
+    ) {
         let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return };
         let Some(row) = self.rows.push(plan, constants, inputs, y_limit) else { return };
-        if self.count >= longest(memory) && memory != Memory::Fading {
+        if sums.count >= longest(memory) && memory != Memory::Fading {
             return;
         }
         if row.weight < 1.0 {
-            self.downweighted = self.downweighted.saturating_add(1);
+            sums.downweighted = sums.downweighted.saturating_add(1);
         }
-        if self.sums.add(memory, &row, constants.forgetting, constants.rest) {
-            self.count = self.count.saturating_add(1);
-            self.motion += row.motion;
+        if sums.sums.add(memory, &row, constants.forgetting, constants.rest) {
+            sums.count = sums.count.saturating_add(1);
+            sums.motion += row.motion;
         } else {
-            self.resting = self.resting.saturating_add(1);
+            sums.resting = sums.resting.saturating_add(1);
         }
     }
 
@@ -126,32 +119,18 @@ impl<P: Plan> Estimator<P> {
 
     /// Rows of less weight, rows that fading memory ignored, and segments in a row without a new auxiliary model.
     #[must_use]
-    pub fn counts(&self) -> (u32, u32, u8) {
-        (self.downweighted, self.resting, self.rows.refused())
+    pub fn counts(&self, sums: &RegressionSums<P>) -> (u32, u32, u8) {
+        (sums.downweighted, sums.resting, self.rows.refused())
     }
 
-    /// Rows of the open segment.
-    #[must_use]
-    pub const fn rows(&self) -> u32 {
-        self.count
-    }
-
-    /// A copy of the sums of the open segment; below the motion `rest` the inputs count as at rest.
+    /// Completes the sums of the segment for a solve; below the motion `rest` the inputs count as at rest.
     #[inline(always)]
-    #[must_use]
-    pub fn sums(&self, plan: P, rest: f32) -> RegressionSums<P> {
-        let memory = plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory);
-        let at_rest = match memory {
-            Memory::Fading => self.resting > self.count,
-            Memory::Segment | Memory::LongSegment => self.motion < rest * self.count as f32,
+    pub fn close(&self, sums: &mut RegressionSums<P>, plan: P, rest: f32) {
+        sums.at_rest = match memory(plan) {
+            Memory::Fading => sums.resting > sums.count,
+            Memory::Segment | Memory::LongSegment => sums.motion < rest * sums.count as f32,
         };
-        RegressionSums {
-            sums: self.sums.clone(),
-            frame: self.rows.frame(plan),
-            count: self.count,
-            at_rest,
-            segment: self.segment,
-        }
+        (sums.frame, sums.segment) = (self.rows.frame(plan), self.segment);
     }
 
     /// Offers an estimate of the segment that was closed last as auxiliary model, to take over at the handover. Returns
@@ -174,17 +153,64 @@ impl<P: Plan> Estimator<P> {
     /// Starts a segment; the lags continue.
     #[inline(always)]
     pub fn next_segment(&mut self, plan: P, constants: &Regression<P>) {
-        let memory = plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory);
-        self.sums.next_segment(memory);
         self.rows.next_segment(plan, constants);
         self.segment = self.segment.next();
-        (self.count, self.motion, self.downweighted, self.resting) = (0, 0.0, 0, 0);
     }
 }
 
-#[cfg(test)]
+fn memory<P: Plan>(plan: P) -> Memory {
+    plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory)
+}
+
 impl<P: Plan> RegressionSums<P> {
+    /// No rows.
+    #[must_use]
+    pub fn new(plan: P) -> Self {
+        Self {
+            sums: Sums::new(plan),
+            frame: Frame::of_zeros(plan),
+            count: 0,
+            motion: 0.0,
+            downweighted: 0,
+            resting: 0,
+            at_rest: false,
+            segment: SegmentNumber::FIRST,
+        }
+    }
+
+    /// No rows again.
+    #[inline(never)]
+    pub fn clear(&mut self) {
+        self.sums.empty();
+        self.start();
+    }
+
+    /// Starts a segment in the place of the last one: fading memory goes on.
+    #[inline(always)]
+    pub fn next_segment(&mut self, plan: P) {
+        if memory(plan) == Memory::Fading {
+            self.sums.next_segment(Memory::Fading);
+            self.start();
+        } else {
+            self.clear();
+        }
+    }
+
+    /// Starts a segment in a place that is clear: fading memory goes on with the sums of another place.
+    #[inline(always)]
+    pub fn follow(&mut self, plan: P, last: &Self) {
+        if memory(plan) == Memory::Fading {
+            self.sums.clone_from(&last.sums);
+            self.sums.next_segment(Memory::Fading);
+        }
+    }
+
+    const fn start(&mut self) {
+        (self.count, self.motion, self.downweighted, self.resting) = (0, 0.0, 0, 0);
+    }
+
     /// δ-parameters whose prediction was subtracted from the target column.
+    #[cfg(test)]
     pub(super) fn base(&self) -> &[f32] {
         self.frame.base.cells()
     }

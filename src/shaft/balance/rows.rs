@@ -177,7 +177,7 @@ impl BalanceSums {
 
     /// Keeps the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
     #[inline(never)]
-    fn clear(&mut self, balance: &Balance, load: bool) {
+    pub(in crate::shaft) fn clear(&mut self, balance: &Balance, load: bool) {
         *self = Self::EMPTY;
         let (terms, target) = (rolled(Balance::terms(load)), balance.scale_of(TERMS));
         let mut k = 0_usize;
@@ -392,8 +392,7 @@ impl BalanceState {
     }
 
     #[inline(always)]
-    pub(in crate::shaft) fn next_segment(&mut self, sums: &mut BalanceSums, balance: &Balance, load: bool) {
-        sums.clear(balance, load);
+    pub(in crate::shaft) const fn next_segment(&mut self) {
         (self.left, self.refresh) = (0, ROWS_A_REFRESH);
     }
 

@@ -130,7 +130,7 @@ impl<P: Plan> OrderSums<P> {
 
     /// Nothing yet; in place, since a new one would be moved.
     #[inline(always)]
-    fn clear(&mut self) {
+    pub(in crate::shaft) fn clear(&mut self) {
         for line in self.lines.cells_mut() {
             *line = LineSums::EMPTY;
         }
@@ -309,8 +309,7 @@ impl<P: Plan> OrderTracking<P> {
 
     /// Starts a segment; phases continue.
     #[inline(never)]
-    pub(in crate::shaft) fn next_segment(&mut self, sums: &mut OrderSums<P>) {
-        sums.clear();
+    pub(in crate::shaft) fn next_segment(&mut self) {
         // History is written and read from its start; what lies beyond `held` is not read.
         for part in &mut self.parts {
             part.clear();

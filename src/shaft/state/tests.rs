@@ -39,7 +39,7 @@ fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
 /// The friction of a shaft whose current lags by `lag` samples.
 fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Friction, Reason> {
     let (plan, constants) = (plan(), constants(current_lag));
-    let mut shaft = Shaft::new(plan, &constants);
+    let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
     let signals = |t: f64| {
         let w = 30.0 * (4.0 * t).sin() + 8.0 * (17.0 * t).sin();
         let dw = 120.0 * (4.0 * t).cos() + 136.0 * (17.0 * t).cos();
@@ -51,9 +51,9 @@ fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Fr
         let ((w, load, _), (.., current)) = (signals(t), signals(t - 0.001 * lag));
         let values = [current, w, load].map(|x| x as f32).to_vec();
         let sample = RunTimeSample { values, ..RunTimeSample::default() };
-        shaft.step(plan, &constants, &sample, good(k));
+        shaft.step(&mut sums, plan, &constants, (&sample, good(k)));
     }
-    let (mut sums, mut solve, mut estimate) = (shaft.sums().clone(), ShaftSolve::new(), ShaftEstimate::empty(plan));
+    let (mut solve, mut estimate) = (ShaftSolve::new(), ShaftEstimate::empty(plan));
     while !solve.advance(plan, &constants, &mut sums, &mut estimate) {}
     estimate.friction_reason.map_or(Ok(estimate.friction), Err)
 }
@@ -105,10 +105,10 @@ fn a_turn_within_lost_samples_is_counted() {
 #[test]
 fn eight_lost_samples_in_a_row_are_bridged_and_nine_are_not() {
     let (plan, constants) = (plan(), constants(0.0));
-    let mut shaft = Shaft::new(plan, &constants);
+    let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
     let sample = RunTimeSample { values: vec![1.0, 20.0, 0.1], ..RunTimeSample::default() };
     for _ in 0..20 {
-        shaft.step(plan, &constants, &sample, true);
+        shaft.step(&mut sums, plan, &constants, (&sample, true));
     }
     for lost in 1..=9 {
         assert_eq!(shaft.filling, 0, "{lost}");
@@ -131,13 +131,18 @@ fn a_renewed_shaft_is_a_new_one() {
     };
     // The first eight after the renewal are lost, too.
     let good = |k: u32| k % 535 > 7;
-    let mut renewed = Shaft::new(plan, &constants);
-    (0..3210).for_each(|k| renewed.step(plan, &constants, &signal(k), good(k)));
-    renewed.renew(plan, &constants);
-    let mut new = Shaft::new(plan, &constants);
+    let start = || (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
+    let step = |(shaft, sums): &mut (Shaft<RunTime>, ShaftSums<RunTime>), k| {
+        shaft.step(sums, plan, &constants, (&signal(k), good(k)));
+    };
+    let mut renewed = start();
+    (0..3210).for_each(|k| step(&mut renewed, k));
+    renewed.0.renew(&constants);
+    renewed.1.clear(plan, &constants);
+    let mut new = start();
     for k in 3210..9000 {
-        renewed.step(plan, &constants, &signal(k), good(k));
-        new.step(plan, &constants, &signal(k), good(k));
+        step(&mut renewed, k);
+        step(&mut new, k);
     }
-    assert_eq!(renewed.sums(), new.sums());
+    assert_eq!(renewed.1, new.1);
 }

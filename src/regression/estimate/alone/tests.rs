@@ -310,3 +310,27 @@ fn a_late_estimate_is_refused_and_three_missing_ones_bring_the_nominal_model_bac
     run(&mut stream, 2000);
     assert_eq!(base(&stream), constants.nominal);
 }
+
+#[test]
+fn sums_go_on_in_another_place_as_in_their_own() {
+    for memory in [Memory::Segment, Memory::LongSegment, Memory::Fading] {
+        let plan = RunTime::of(testing::regression(
+            plan().layout().regression.unwrap().structure,
+            Method::LeastSquares,
+            memory,
+        ))
+        .unwrap();
+        let constants = Regression { scale: constants().scale, ..Regression::new(plan) };
+        let channels = channels();
+        let mut stream = Alone::new(plan, &channels, &constants);
+        feed(&mut stream, 700);
+        let mut other = RegressionSums::new(plan);
+        other.follow(plan, &stream.sums);
+        let filled = stream.sums.clone();
+        stream.next_segment();
+        assert_eq!(other, stream.sums, "{memory:?}");
+        assert!(filled != other);
+        stream.sums.clear();
+        assert_eq!(stream.sums, RegressionSums::new(plan), "{memory:?}");
+    }
+}
