@@ -59,12 +59,15 @@ impl Watched {
         };
         let course = match left {
             None => "not growing".into(),
-            Some(left) => format!(
-                "grows by {} {one}; if it goes on so, {} {several} until {:.0} deviations",
-                between(slope, 2),
-                between(left, 1),
-                growth.named
-            ),
+            Some(left) => {
+                let (slope, named) = (between(slope, 2), growth.named);
+                let until = if left.high > 0.0 {
+                    format!("; if it goes on so, {} {several} until {named:.0} deviations", between(left, 1))
+                } else {
+                    format!(", and has reached {named:.0} deviations")
+                };
+                format!("grows by {slope} {one}{until}")
+            }
         };
         format!("{name}: {size} deviations above what is usual for this drive (90 % interval), {course}")
     }

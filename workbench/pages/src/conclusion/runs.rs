@@ -124,6 +124,14 @@ mod tests {
     }
 
     #[test]
+    fn a_size_that_is_reached_has_no_time_left() {
+        let mut runs = Runs::default();
+        (0..2).for_each(|place| runs.take(place, &watched(20.0, Some(0.0), true)));
+        let words = runs.size(&name);
+        assert!(words.contains(", grows by 0.50 [0.25, 1.00] an hour, and has reached 12 deviations. This"), "{words}");
+    }
+
+    #[test]
     fn a_model_without_directions_has_no_size() {
         let mut runs = Runs::default();
         let plain = Watched { growth: None, run: vec![], growths: vec![], ..watched(6.0, None, true) };
