@@ -628,6 +628,46 @@ typedef struct BwAlarm {
   uint32_t since;
 } BwAlarm;
 
+// What a direction contributes to the alarm.
+typedef struct BwContribution {
+  // The coordinate that a defect raises; without a projection it is the feature at this place.
+  uint8_t coordinate;
+  // The mean of the last run less the usual mean of this drive, standard deviations of runs.
+  float deviations;
+  // Largest score of the direction, nats. The alarm is raised where it reaches `BwAlarm::limit`.
+  float score;
+  // Number of the last segment before it rose.
+  uint32_t since;
+} BwContribution;
+
+// A value with its 90 % interval.
+typedef struct BwInterval {
+  // The value.
+  float value;
+  // Lower end.
+  float low;
+  // Upper end.
+  float high;
+} BwInterval;
+
+// The size of a defect in a direction, and the time left: an estimate from the past of this drive, and no promise.
+typedef struct BwGrowth {
+  // By how much the runs exceed the usual mean of this drive, standard deviations of a usual run.
+  struct BwInterval size;
+  // Its change in a usual run; divided by `run_hours`, in an hour.
+  struct BwInterval slope;
+  // The named size, to which the time is left, standard deviations of a usual run.
+  float named;
+  // Whether the size grows: the interval of the slope is above zero, and the size above four of its deviations.
+  bool growing;
+  // Usual runs until the named size, 0 if it is reached; NaN if the size does not grow.
+  struct BwInterval runs_left;
+  // The same in hours of segments, not of the time between runs; NaN also if the model has no sampling interval.
+  struct BwInterval hours_left;
+  // Hours of the segments of a usual run; 0 if the model has no sampling interval.
+  float run_hours;
+} BwGrowth;
+
 // One current sensor with its converter.
 typedef struct BwPhaseSensor {
   // Counts at no current; `bw_calibration_finish` measures them.
@@ -1045,6 +1085,32 @@ BwCode bw_deny(struct BwState *state);
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
 BwCode bw_reset(struct BwState *state);
+
+// Gives what a direction of the model contributes to the alarm at the end of the last run. Directions count from 0.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the model does not have the direction, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `contribution` is NULL or writable.
+BwCode bw_contribution(struct BwState *state, uint8_t direction, struct BwContribution *contribution);
+
+// Gives the size of a defect in a direction of the model, its slope, and the time until a single segment would show
+// it: four standard deviations of segments of healthy drives. Directions count from 0.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the model does not have the direction, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `growth` is NULL or writable.
+BwCode bw_growth(struct BwState *state, uint8_t direction, struct BwGrowth *growth);
+
+// As `bw_growth`, until another named size, such as that of a known full defect: standard deviations of a usual run.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the model does not have the direction or the size is not above 0 and
+// finite, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `growth` is NULL or writable.
+BwCode bw_growth_to(struct BwState *state, uint8_t direction, float size, struct BwGrowth *growth);
 
 // Gives the number of bytes that `bw_save` writes for the model of this state.
 //

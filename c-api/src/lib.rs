@@ -10,6 +10,7 @@
 //!              bw_report, bw_values         verdict, and the numbers behind it
 //!              bw_adopt                     its estimate becomes the next auxiliary model (interrupt masked)
 //!              bw_alarm                     the evidence of all segments
+//!              bw_contribution, bw_growth   what each direction has risen by, size of a defect and time left
 //!              bw_save, bw_restore          the same as bytes, which survive power-off
 //!              bw_seal, bw_open             these bytes under a key of the drive (feature `signature`)
 //! or at once   bw_step                      a sample; now and then BW_CODE_REPORT
@@ -43,6 +44,7 @@ mod blocks;
 mod calibration;
 mod code;
 mod front_end;
+mod growth;
 mod memory;
 mod names;
 mod plan;
@@ -73,6 +75,7 @@ pub use front_end::sample::{BwCleanSample, BwPosition, BwRawSample};
 pub use front_end::{
     BW_FRONT_END_SIZE, BwFrontEnd, bw_front_end_check_wiring, bw_front_end_init, bw_front_end_push, bw_front_end_size,
 };
+pub use growth::{BwContribution, BwGrowth, BwInterval, bw_contribution, bw_growth, bw_growth_to};
 pub use memory::BW_STATE_ALIGN;
 pub use names::{bw_code_name, bw_reason_name, bw_verdict_name};
 pub use plan::{

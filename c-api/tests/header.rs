@@ -18,7 +18,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 17] = [
+const SOURCES: [&str; 18] = [
     "code",
     "plan",
     "signature",
@@ -28,6 +28,7 @@ const SOURCES: [&str; 17] = [
     "solving",
     "report",
     "alarm",
+    "growth",
     "saved",
     "front_end/mod",
     "calibration",

@@ -39,6 +39,7 @@ pub mod page;
 pub mod palette;
 pub mod plot;
 pub mod replay;
+mod runs;
 pub mod segments;
 pub mod structure;
 pub mod table;

@@ -1,10 +1,9 @@
 //! The page of traces that the detector judged one after another: signals, verdicts, distance and evidence over time.
 
-use bearing_watch::alarm::Contribution;
-
-use crate::conclusion::replay::{Conclusion, USUAL};
+use crate::conclusion::replay::Conclusion;
 use crate::page::{counted, linked, or_reason, paragraph};
 use crate::plot::{self, Event, Panel, Segment, Series};
+use crate::runs;
 use crate::segments::{Judged, Limits, evidence, strips};
 use crate::table::table;
 use crate::{Class, Color, Page};
@@ -52,37 +51,10 @@ pub fn page(
     let counts = [counted(replayed.len(), "trace"), counted(segments, "segment")].join(", ");
     let missing = tally::told(replayed.iter().map(|one| &one.trace)).map_or_else(String::new, |own| format!(" {own}."));
     let lead = format!("{counts}; classes {}.{missing}", model.classes.join(", "));
-    let page = Page::new(title).conclusion(conclusion.words()).lead(lead);
-    let page = if conclusion.runs().is_empty() { page } else { page.section("Runs", &runs(model, conclusion)) };
+    let page = Page::new(title).conclusion(conclusion.words_with_size()).lead(lead);
+    let runs = runs::section(model, conclusion);
+    let page = if runs.is_empty() { page } else { page.section("Runs", &runs) };
     page.section("Over time", &linked(&over_time)).section("Segments", &rows(model, replayed))
-}
-
-/// How far each direction of the alarm lies above what is usual for this drive, run by run; empty without such runs.
-fn runs(model: &Embedded, conclusion: &Conclusion) -> String {
-    let Some((last, now)) = conclusion.runs().last() else { return String::new() };
-    let series = |(k, one): (usize, &Contribution)| {
-        let of_run = |(place, (_, run)): (usize, &(usize, Vec<Contribution>))| {
-            run.get(k).map(|one| (place as f64 + 1.0, f64::from(one.deviations)))
-        };
-        let points: Vec<(f64, f64)> = conclusion.runs().iter().enumerate().filter_map(of_run).collect();
-        Series::new(model.direction_name(conclusion.orders(), one.direction), Color::of(k), points)
-    };
-    let all: Vec<Series> = now.iter().enumerate().map(series).collect();
-    let chart = plot::lines("Features over the runs", "run", "above the usual mean of this drive / sd of runs", &all);
-    let row = |one: &Contribution| {
-        let since = usize::try_from(one.since).ok().filter(|_| one.deviations >= USUAL);
-        let since = since.map_or_else(|| "–".into(), |segment| conclusion.place(segment).to_owned());
-        let name = model.direction_name(conclusion.orders(), one.direction);
-        vec![name, format!("{:+.1}", one.deviations), format!("{:.1}", one.score), since]
-    };
-    let limit = model.evidence_constants().limit;
-    let lead = paragraph(&format!(
-        "After {}, in {}. The alarm is raised where a score reaches {limit:.1} nats; one run alone never does.",
-        counted(conclusion.runs().len(), "run"),
-        conclusion.place(*last),
-    ));
-    let head = ["feature", "last run / sd", "score / nats", "risen since"];
-    or_reason(chart) + &lead + &table(&head, &now.iter().map(row).collect::<Vec<_>>())
 }
 
 /// Places of the traces on one axis, each after the one before.

@@ -133,6 +133,7 @@ fn an_alarm_by_runs_says_what_has_risen_and_is_confirmed() {
     assert!(end.starts_with("ALARM: outer order has risen. It is "), "{end}");
     assert!(end.contains("since spall_0.35_mix_23_000") && end.contains("inner order are as usual"), "{end}");
     assert!(read("r.html").contains("Features over the runs") && read("r.html").contains("risen since"));
+    size_on_pages(dir, &read("r.html"));
     let values = json(&succeed(dir, &format!("{replay} --json")));
     assert_eq!((&values[2]["run"], &values[3]["run"][2]["direction"]), (&Value::Null, &"order_outer".into()));
     assert!(values[19]["run"][2]["deviations"].as_f64().expect("a number") > 10.0, "{}", values[19]["run"]);
@@ -163,6 +164,26 @@ fn an_alarm_by_runs_says_what_has_risen_and_is_confirmed() {
     refuse(dir, &format!("{confirm} --true healthy"), &["no defect"]);
     refuse(dir, &format!("{confirm} --false --set day=3"), &["no column day"]);
     refuse(dir, "confirm --labels later/labels.csv later --false", &["no file"]);
+}
+
+/// The pages of a drive with an alarm, of a healthy one, and of a single run.
+fn size_on_pages(dir: &Path, alarmed: &str) {
+    const FIGURE: &str = "Size of a defect over the runs";
+    assert!(alarmed.contains(FIGURE) && alarmed.contains("an estimate from the past of this drive"));
+    let told = alarmed.split("<p>Size of a defect, outer order: ").nth(1).and_then(|rest| rest.split("</p>").next());
+    let told = told.expect("the size of the direction that raised the alarm");
+    assert!(told.contains("] deviations above what is usual for this drive (90 % interval), "), "{told}");
+    let of_healthy = |count: usize| {
+        let records: Vec<String> = (0..count).map(|k| format!("later/healthy_mix_22_{k:03}.csv")).collect();
+        let replay = format!("replay --model m.bwm {} --labels later/labels.csv", records.join(" "));
+        let said = succeed(dir, &format!("{replay} --report h.html"));
+        (said, std::fs::read_to_string(dir.join("h.html")).expect("a page"))
+    };
+    let (said, page) = of_healthy(12);
+    assert!(said.contains("(90 % interval), not growing\n") && !said.contains("Size of a defect"), "{said}");
+    assert!(page.contains(FIGURE) && page.contains(", not growing. This is an estimate"));
+    let (_, page) = of_healthy(4);
+    assert!(!page.contains("Size of a defect") && page.contains("After 1 run, in "));
 }
 
 #[test]

@@ -23,6 +23,8 @@ pub struct Watched {
     pub silence: Option<Silence>,
     /// What each direction contributes, after the last segment of a run; empty after others.
     pub run: Vec<Contribution>,
+    /// Size and growth in each direction, after the last segment of a run; empty after others.
+    pub growths: Vec<Growth>,
 }
 
 impl Watched {
@@ -33,13 +35,14 @@ impl Watched {
         let largest = directions.max_by(|a, b| a.score.total_cmp(&b.score));
         let direction = main.or(largest).map(|contribution| contribution.direction);
         let growth = direction.and_then(|k| evidence.growth(k).map(|growth| (k, growth)));
-        Self { score, alarm, main, growth, trend, silence, run: vec![] }
+        Self { score, alarm, main, growth, trend, silence, run: vec![], growths: vec![] }
     }
 
     /// At the end of a run.
     pub(super) fn of_run(evidence: &Evidence<RunTime>) -> Self {
         let run = (0..u8::MAX).map_while(|direction| evidence.contribution(direction)).collect();
-        Self { run, ..Self::of(evidence) }
+        let growths = (0..u8::MAX).map_while(|direction| evidence.growth(direction)).collect();
+        Self { run, growths, ..Self::of(evidence) }
     }
 
     /// Size, slope and time left of the direction, with its name by `name`; empty without directions.
@@ -48,14 +51,23 @@ impl Watched {
         let Some((direction, growth)) = self.growth else { return String::new() };
         let name = name(direction);
         let size = between(growth.size, 1);
-        let slope = between(growth.slope_per_hour(), 2);
-        let course = match growth.left_hours() {
+        // Without a sampling interval only runs are known.
+        let (slope, left, [one, several]) = if growth.run_hours > 0.0 {
+            (growth.slope_per_hour(), growth.left_hours(), ["an hour", "hours"])
+        } else {
+            (growth.slope, growth.left, ["a run", "runs"])
+        };
+        let course = match left {
             None => "not growing".into(),
-            Some(left) => format!(
-                "grows by {slope} an hour; if it goes on so, {} hours until {:.0} deviations",
-                between(left, 1),
-                growth.named
-            ),
+            Some(left) => {
+                let (slope, named) = (between(slope, 2), growth.named);
+                let until = if left.high > 0.0 {
+                    format!("; if it goes on so, {} {several} until {named:.0} deviations", between(left, 1))
+                } else {
+                    format!(", and has reached {named:.0} deviations")
+                };
+                format!("grows by {slope} {one}{until}")
+            }
         };
         format!("{name}: {size} deviations above what is usual for this drive (90 % interval), {course}")
     }

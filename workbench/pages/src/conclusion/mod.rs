@@ -8,6 +8,7 @@ pub mod live;
 pub mod models;
 pub mod recordings;
 pub mod replay;
+mod runs;
 pub mod training;
 
 /// A share as text, `2.5 %`.

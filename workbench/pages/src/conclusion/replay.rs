@@ -6,6 +6,7 @@ use model::trace::Trace;
 use model::train::directions::in_words;
 
 use super::percent;
+use super::runs::Runs;
 use crate::departing::departing;
 use crate::page::counted;
 
@@ -31,8 +32,7 @@ pub struct Conclusion<'a> {
     places: Vec<String>,
     /// Place of the segment since which the evidence is above zero.
     rising: Option<String>,
-    /// The runs that have ended: the number of their last segment, and what each direction contributes.
-    runs: Vec<(usize, Vec<Contribution>)>,
+    runs: Runs,
     /// The largest evidence until the alarm, nats.
     score: f32,
     alarm: Option<Raised>,
@@ -71,7 +71,7 @@ impl<'a> Conclusion<'a> {
             most: (0.0, None),
             places: vec![],
             rising: None,
-            runs: vec![],
+            runs: Runs::default(),
             score: 0.0,
             alarm: None,
         }
@@ -83,9 +83,7 @@ impl<'a> Conclusion<'a> {
         for (segment, watched) in segments.iter().zip(watched) {
             let at = place(trace, segment);
             self.count(segment, &at);
-            if !watched.run.is_empty() {
-                self.runs.push((self.places.len(), watched.run.clone()));
-            }
+            self.runs.take(self.places.len(), watched);
             if self.alarm.is_none() {
                 self.weigh(watched, &at);
             }
@@ -128,8 +126,7 @@ impl<'a> Conclusion<'a> {
         if let Some(cause) = self.model.cause(watched, self.orders) {
             let onset = watched.main.and_then(|main| self.places.get(usize::try_from(main.since).ok()?));
             let since = onset.or(self.rising.as_ref()).cloned().unwrap_or_else(|| at.to_owned());
-            let last = self.runs.last().map_or(&[][..], |(_, run)| run);
-            let [too, usual] = self.others(if watched.run.is_empty() { last } else { &watched.run }, &cause);
+            let [too, usual] = self.others(self.runs.contributions(), &cause);
             self.alarm = Some(Raised { cause, at: at.to_owned(), since, main: watched.main, too, usual });
         }
     }
@@ -204,8 +201,14 @@ impl<'a> Conclusion<'a> {
         others
     }
 
+    /// The sentences, and in a paragraph of its own the size of a defect. The command line prints the size before them.
+    pub(crate) fn words_with_size(&self) -> String {
+        let size = self.runs.size(&|direction| in_words(&self.model.direction_feature(self.orders, direction)));
+        format!("{}\n\n{size}", self.words())
+    }
+
     /// The runs that have ended.
-    pub(crate) fn runs(&self) -> &[(usize, Vec<Contribution>)] {
+    pub(crate) const fn runs(&self) -> &Runs {
         &self.runs
     }
 
