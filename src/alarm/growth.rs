@@ -30,10 +30,10 @@
 //! changes nothing, and after a repair the slope starts anew. (7) is a CUSUM (Page 1954), by which a small q, quiet
 //! while healthy, does not delay the slope of a fast growth: its bump is that of a line which began n runs ago.
 //!
-//! A bearing grows if the interval of the slope is above zero and the size above four of its deviations; otherwise
-//! there is no time left. Runs with offsets that last for many runs, as of weather, are not in s², and then a healthy
-//! drive is said to grow more often: `bearing-watch campaign --field --growth` counts how often. Cost: 32 bytes a
-//! direction, about 60 operations and two roots at the end of a run, and three exponentials for an answer.
+//! A bearing grows if the interval of the slope is above zero, the size above four of its deviations, and its lower end
+//! above two of a usual run; otherwise there is no time left. Offsets that last for many runs, as of weather, are not in
+//! s², and then a healthy drive may be said to grow: `bearing-watch campaign --field --growth` counts how often. Cost:
+//! 32 bytes a direction, about 60 operations and two roots at the end of a run, and three exponentials for an answer.
 
 use crate::logarithm::ln;
 
@@ -61,6 +61,8 @@ const LIMIT: f32 = 7.0;
 const NORMAL_90: f32 = 1.645;
 /// A smaller size, in its deviations, does not grow.
 const LEAST_SIZE: f32 = 4.0;
+/// Nor one whose lower end is below this: offsets that last for many runs are about as large as those of single runs.
+const LEAST_LOW: f32 = 2.0;
 /// A larger value is that of a broken sensor, deviations.
 const LARGEST: f32 = 1e6;
 /// Most usual runs that a run counts for.
@@ -237,7 +239,8 @@ impl Course {
         let deviation = libm::sqrtf(self.variance + unknown);
         let size_of = Interval::about(size, NORMAL_90 * deviation);
         let slope = Interval::about(self.slope, NORMAL_90 * libm::sqrtf(self.slope_variance));
-        let grows = slope.low > 0.0 && size > LEAST_SIZE * deviation && named > 0.0;
+        let large = size > LEAST_SIZE * deviation && size_of.low > LEAST_LOW;
+        let grows = slope.low > 0.0 && large && named > 0.0;
         let left = grows.then(|| self.left(size, unknown, named));
         Growth { size: size_of, slope, named, left, run_hours: 0.0 }
     }

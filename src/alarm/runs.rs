@@ -51,7 +51,7 @@ const SKEWED: f32 = 0.05;
 /// The variance of runs is wider by this factor for each alarm of a direction that was denied, and by so many at most.
 /// Half as wide again each time, the law is then 3.4 times as wide: it hides no defect that is larger.
 const WIDER: f32 = 2.25;
-const MOST_DENIED: u32 = 3;
+const MOST_DENIED: u8 = 3;
 /// Standard deviations by which a size is plain in a segment.
 const PLAIN: f32 = 4.0;
 /// A bet counts for the onset if its score is at least this part of the direction's largest.
@@ -107,7 +107,7 @@ pub(super) struct Scores {
     /// (x − û)/s of the last run.
     deviations: f32,
     /// How many alarms were denied, up to [`MOST_DENIED`].
-    denied: u32,
+    denied: u8,
     course: Course,
 }
 
@@ -276,7 +276,7 @@ impl<P: Plan> Runs<P> {
             [*count, *sum, *precision, *weighted].iter().chain(scores).for_each(|x| put(x.to_bits()));
             since.iter().for_each(|segment| put(*segment));
             put(deviations.to_bits());
-            put(direction.denied);
+            put(direction.denied.into());
             course.save(put);
         }
     }
@@ -295,7 +295,7 @@ impl<P: Plan> Runs<P> {
             for since in &mut direction.since {
                 *since = take()?;
             }
-            (direction.deviations, direction.denied) = (f32::from_bits(take()?), take()?);
+            (direction.deviations, direction.denied) = (f32::from_bits(take()?), u8::try_from(take()?).ok()?);
             direction.course = Course::restore(take)?;
             let Scores { count, sum, precision, weighted, scores, since, deviations, between, .. } = *direction;
             let numbers = [sum, weighted, deviations].iter().all(|x| x.is_finite()) && direction.denied <= MOST_DENIED;

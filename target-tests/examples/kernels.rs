@@ -13,12 +13,12 @@ use bearing_watch::model::{
     Channel, Classifier, Covariates, Discriminant, Feature, FeatureValue, Forgetting, Novelty, Projection, Regression,
 };
 use bearing_watch::plan::{Array, Cells, Fixed, Kind, Layout, Memory, Method, Plan, RegressionLayout, Structure};
-use bearing_watch::{Angle, Detector, Model, Park};
+use bearing_watch::{Angle, Detector, Evidence, Model, Park};
 
 use support::hash::Hash;
 use support::numbers::Numbers;
 use support::shaft::{self, Motion};
-use support::{decimation, raw, refined, squares};
+use support::{decimation, directed, raw, refined, squares};
 
 type Three = Fixed<3>;
 type Zero = Fixed<0>;
@@ -66,6 +66,7 @@ fn run() {
     decisions(Six, &mut numbers, &mut hash);
     decisions(squares::Squares, &mut numbers, &mut hash);
     say!("decision {:08x}", hash.bits());
+    runs();
     watched("4 orders", &shaft::MODEL);
     watched("1 order, no load", &shaft::LOADLESS);
     let mut hash = Hash::new();
@@ -74,6 +75,31 @@ fn run() {
     let mut hash = Hash::new();
     raw::bits(|output| hash.add(output));
     say!("raw samples {:08x}", hash.bits());
+}
+
+/// Evidence of runs of six segments in directions, of which all grow after forty runs.
+fn runs() {
+    let mut evidence = Evidence::new(&directed::MODEL);
+    let (mut hash, mut numbers, mut growing) = (Hash::new(), Numbers(17), 0_u32);
+    for run in 0..120_u8 {
+        let size = 0.05 * f32::from(run.saturating_sub(40));
+        for _ in 0..6 {
+            let values = numbers.array().map(|value| value + size);
+            evidence.observe(directed::decision(values).as_ref());
+        }
+        evidence.end_run();
+        hash.add(&[evidence.score()]);
+        for direction in 0..directed::DIRECTIONS as u8 {
+            if let (Some(of), Some(growth)) = (evidence.contribution(direction), evidence.growth(direction)) {
+                hash.add(&[of.deviations, of.score, f32::from_bits(of.since), growth.size.low, growth.slope.high]);
+                let left = growth.left.map_or([0.0; 3], |left| [left.low, left.value, left.high]);
+                hash.add(&left);
+                growing += u32::from(growth.is_growing());
+            }
+        }
+    }
+    let raised = evidence.alarm().map_or(0, |alarm| alarm.segment);
+    say!("evidence of runs {:08x}, alarm at segment {raised}, grows in {growing} of 600", hash.bits());
 }
 
 fn front_end() {

@@ -13,11 +13,11 @@ use bearing_watch::drive::{AlphaBeta, RotorFrame};
 use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{Channel, FeatureValue, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Plan};
-use bearing_watch::{Angle, Detector, Exchange, Model, Monitor, Park, Segment};
+use bearing_watch::{Angle, Detector, Evidence, Exchange, Model, Monitor, Park, Segment};
 
 use support::count::Counter;
 use support::numbers::Numbers;
-use support::{decimation, refined, shaft, squares};
+use support::{decimation, directed, refined, shaft, squares};
 
 /// Number of calls over which a kernel is averaged.
 const CALLS: u32 = 200;
@@ -52,6 +52,7 @@ fn run() {
     detector(counter, "LS detector", 8, &squares::MODEL, &records);
     watched(counter, "LS and shaft, 4 orders of 3 harmonics", 4, &shaft::MODEL);
     watched(counter, "shaft alone, 1 order without load", 1, &shaft::LOADLESS);
+    runs(counter);
     decimation::measure(counter, |name, factor, instructions, bytes| {
         report(name, factor, instructions, bytes);
     });
@@ -266,6 +267,38 @@ fn watched<P: Plan<Sample: From<shaft::Motion>>>(counter: &mut Counter, name: &s
     let mut plant = shaft::Plant::new(6);
     let samples: [P::Sample; 1000] = core::array::from_fn(|_| plant.motion().into());
     detector(counter, name, n, model, &samples);
+}
+
+/// The evidence of runs of six segments: a segment, the end of a run, and what a growth takes.
+fn runs(counter: &mut Counter) {
+    let mut evidence = Evidence::new(black_box(&directed::MODEL));
+    let mut numbers = Numbers(7);
+    let (mut segment, mut end) = (0, 0);
+    for number in 0..60 {
+        for _ in 0..6 {
+            let values = numbers.array().map(|value| value + 0.02 * number as f32);
+            let Some(decision) = directed::decision(values) else { return };
+            let one = counter.instructions_per_call(1, |_| {
+                black_box(black_box(&mut evidence).observe(black_box(Some(&decision))));
+            });
+            segment = one.max(segment);
+        }
+        let one = counter.instructions_per_call(1, |_| {
+            black_box(black_box(&mut evidence).end_run());
+        });
+        end = one.max(end);
+    }
+    let mut grows = false;
+    let growth = counter.instructions_per_call(1, |_| {
+        grows = black_box(black_box(&evidence).growth(0)).is_some_and(|growth| growth.is_growing());
+    });
+    if !grows {
+        say!("the directions do not grow");
+    }
+    let (n, bytes) = (directed::DIRECTIONS, size_of_val(&evidence));
+    line(format_args!("evidence of runs, longest segment"), n, segment, Some(bytes));
+    line(format_args!("evidence of runs, longest end of a run"), n, end, None);
+    line(format_args!("evidence of runs, growth of a direction"), n, growth, None);
 }
 
 /// One line: the kernel, its size n where it has one, instructions a call, bytes of state.

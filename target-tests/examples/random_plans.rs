@@ -129,6 +129,11 @@ impl<'m> Rest<'m> {
         self.segments += 1;
         self.decided += u32::from(!matches!(report.verdict, Verdict::Undetermined(_)));
         self.add(format_args!("{report:?} {alarm:?} {score:?}"));
+        for direction in 0..3 {
+            let evidence = self.monitor.evidence();
+            let (contribution, growth) = (evidence.contribution(direction), evidence.growth_to(direction, 9.0));
+            self.add(format_args!("{contribution:?} {growth:?}"));
+        }
         self.late = Some((report, self.dice.below(40)));
     }
 

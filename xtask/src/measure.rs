@@ -15,15 +15,19 @@ use crate::{cycles, elf, firmware, qemu, workspace};
 /// How the names of figures of any data end.
 pub const ANY_DATA: &str = ", any data";
 
-/// What programs add to the flash of the smallest one: a name, its size, and the example.
-const FOOTPRINTS: [(&str, Option<u64>, &str); 7] = [
-    ("the whole detector, LS", Some(8), "footprint_squares"),
-    ("the whole detector, SRIV", Some(8), "footprint_refined"),
-    ("the whole detector, LS and shaft", Some(8), "footprint_shaft"),
-    ("an arctangent, micromath, for a resolver's start", None, "footprint_coarse"),
-    ("an arctangent, libm", None, "footprint_atan2"),
-    ("a verification of a signed model", None, "footprint_signature"),
-    ("sealing and opening of a saved state", None, "footprint_seal"),
+/// The smallest program.
+const SMALLEST: &str = "footprint_none";
+
+/// What programs add to the flash of others: a name, its size, the example, and the one that it is compared with.
+const FOOTPRINTS: [(&str, Option<u64>, &str, &str); 8] = [
+    ("the whole detector, LS", Some(8), "footprint_squares", SMALLEST),
+    ("the whole detector, SRIV", Some(8), "footprint_refined", SMALLEST),
+    ("the whole detector, LS and shaft", Some(8), "footprint_shaft", SMALLEST),
+    ("the evidence of runs, its reason and its growth", Some(5), "footprint_evidence", "footprint_decided"),
+    ("an arctangent, micromath, for a resolver's start", None, "footprint_coarse", SMALLEST),
+    ("an arctangent, libm", None, "footprint_atan2", SMALLEST),
+    ("a verification of a signed model", None, "footprint_signature", SMALLEST),
+    ("sealing and opening of a saved state", None, "footprint_seal", SMALLEST),
 ];
 
 /// One measured kernel, or a size of the whole monitor.
@@ -59,7 +63,7 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
 }
 
 /// What the examples `measure`, `measure_interrupt`, `memory`, `stack` and `measure_signature` print, and what
-/// [`FOOTPRINTS`] add to the smallest program.
+/// [`FOOTPRINTS`] add to other programs.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = timed(&firmware::build(way, DRIVE, "measure")?)?;
     figures.extend(timed(&firmware::build(way, DRIVE, "measure_interrupt")?)?);
@@ -82,11 +86,10 @@ pub fn signatures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-fn footprints(way: Way, programs: &[(&str, Option<u64>, &str)]) -> Result<Vec<Figure>> {
+fn footprints(way: Way, programs: &[(&str, Option<u64>, &str, &str)]) -> Result<Vec<Figure>> {
     let flash = |example: &str| Ok::<_, anyhow::Error>(elf::sizes(&firmware::build(way, DRIVE, example)?)?.flash);
-    let without = flash("footprint_none")?;
-    let figure = |(name, n, example): &(&str, Option<u64>, &str)| {
-        let (name, bytes) = (format!("flash of {name}"), Some(flash(example)?.saturating_sub(without)));
+    let figure = |(name, n, example, without): &(&str, Option<u64>, &str, &str)| {
+        let (name, bytes) = (format!("flash of {name}"), Some(flash(example)?.saturating_sub(flash(without)?)));
         Ok(Figure { name, n: *n, bytes, ..Figure::default() })
     };
     programs.iter().map(figure).collect()

@@ -1,8 +1,8 @@
 //! A plan whose layout is drawn at run time, without an allocator, and random models of it.
 
 use bearing_watch::model::{
-    Balance, Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature,
-    Forgetting, KNOTS, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, TrackedOrder, Tracking,
+    Background, Balance, Channel, Classifier, Constants, Covariate, Covariates, Direction, Directions, Discriminant,
+    EvidenceConstants, Feature, Forgetting, KNOTS, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, TrackedOrder, Tracking,
 };
 use bearing_watch::plan::{
     Bounds, Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
@@ -12,13 +12,14 @@ use bearing_watch::{FrictionTerm, Model};
 use super::support::damage::{CHANNELS, Dice};
 use super::support::shaft::{BALANCE, BLOCKS};
 
-/// Most columns of a row, cells of delays and filters, orders, features, coordinates and classes.
+/// Most columns of a row, cells of delays and filters, orders, features, coordinates, directions and classes.
 const COLUMNS: usize = 20;
 const DELAYS: usize = 20;
 const FILTERS: usize = 12;
 const ORDERS: usize = 4;
 const FEATURES: usize = 6;
 const COORDINATES: usize = 3;
+const DIRECTIONS: usize = 3;
 const CLASSES: usize = 3;
 
 bearing_watch::bounded_plan! {
@@ -35,7 +36,7 @@ bearing_watch::bounded_plan! {
         covariates: 0,
         coordinates: COORDINATES,
         rising: COORDINATES,
-        directions: 0,
+        directions: DIRECTIONS,
         classes: CLASSES,
         map: COORDINATES * FEATURES,
         densities: CLASSES * COORDINATES * (COORDINATES + 1) / 2,
@@ -90,7 +91,7 @@ fn layout(dice: &mut Dice) -> Layout {
         covariates: 0,
         coordinates,
         rising: below(dice, coordinates + 1),
-        directions: 0,
+        directions: below(dice, DIRECTIONS as u8 + 1),
         classes: 1 + below(dice, 3),
         discriminant: one_of(dice, [Kind::Linear, Kind::Quadratic]),
     }
@@ -132,17 +133,43 @@ fn factors<C: Cells<f32>>(dice: &mut Dice, count: usize, coordinates: usize) -> 
     C::from_fn(count, |place| if pivot(place) { 1.5 + dice.unit() } else { 0.3 * dice.unit() })
 }
 
+/// Directions along and across coordinates, of skewed and of other laws.
+fn directions(dice: &mut Dice, plan: AnyPlan) -> Directions<AnyPlan> {
+    let layout = plan.layout();
+    let direction = |dice: &mut Dice| {
+        let mut direction = Direction {
+            coordinate: below(dice, layout.coordinates),
+            centre: dice.unit(),
+            between: 0.7 + 0.6 * dice.unit(),
+            run: 0.5 + 0.4 * dice.unit(),
+            segment: 1.5 + dice.unit(),
+            skewness: one_of(dice, [0.0, 0.8]),
+            ..Direction::UNIT
+        };
+        if let Some(background) = direction.background.first_mut() {
+            *background = Background { coordinate: below(dice, layout.coordinates), weight: dice.unit() };
+        }
+        direction
+    };
+    Directions {
+        list: Cells::from_fn(layout.directions as usize, |_| direction(dice)),
+        usual_segments: 2.0,
+        ..Directions::none(plan)
+    }
+}
+
 fn classifier(dice: &mut Dice, plan: AnyPlan) -> Classifier<AnyPlan> {
     let layout = plan.layout();
     let (count, coordinates, classes) =
         (layout.features as usize, layout.coordinates as usize, layout.classes as usize);
     let line = core::array::from_fn::<_, KNOTS, _>(|k| [2.0 * k as f32, k as f32]);
     let mut novelty = Novelty::none(plan);
-    if dice.below(3) > 0 || layout.rising > 0 {
+    if dice.below(3) > 0 || layout.rising > 0 || layout.directions > 0 {
         novelty.class = Some(0);
         novelty.factor = factors(dice, layout.density(), coordinates);
         (novelty.knots, novelty.freedom, novelty.limit) = (line, 30.0, 5.0);
         novelty.laws = Cells::filled(layout.laws(), line);
+        novelty.directions = directions(dice, plan);
     }
     Classifier {
         features: Cells::from_fn(count, |_| feature(dice, &layout)),
@@ -226,7 +253,7 @@ pub fn model(dice: &mut Dice) -> Option<Model<AnyPlan>> {
         }),
         shaft: Cells::from_fn(layout.watched(), |_| shaft(dice, plan)),
         classifier: classifier(dice, plan),
-        evidence: EvidenceConstants { limit: 12.0, cap: 5.0, ..EvidenceConstants::NONE },
+        evidence: EvidenceConstants { limit: 12.0, cap: 5.0, segments_a_run: 2, ..EvidenceConstants::NONE },
         labels: Cells::from_fn(layout.classes as usize, |k| labels[k % CLASSES]),
     };
     Model::new(plan, constants).ok()

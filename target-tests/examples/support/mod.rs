@@ -10,6 +10,8 @@ pub mod count;
 pub mod damage;
 #[allow(dead_code, reason = "not every program decimates")]
 pub mod decimation;
+#[allow(dead_code, reason = "not every program gathers evidence of runs")]
+pub mod directed;
 #[allow(dead_code, reason = "only `measure` and `measure_front_end` count those of the front end")]
 pub mod front_end;
 #[allow(dead_code, reason = "only `kernels` compares bits by hashes")]
