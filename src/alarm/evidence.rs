@@ -266,6 +266,8 @@ impl<P: Plan> Evidence<P> {
 
     /// Ends the run, as at power-up or where a new session starts; gives the alarm that stands. Nothing changes if the
     /// run has no decided segment.
+    // Out of line like `look`: each has two callers.
+    #[inline(never)]
     pub fn end_run(&mut self) -> Option<Alarm> {
         let (Some(healthy), 1..) = (self.healthy, self.run) else { return self.alarm };
         if self.runs.are_used() {
@@ -296,6 +298,7 @@ impl<P: Plan> Evidence<P> {
     }
 
     /// Raises the alarm if a direction reaches the limit in the run as it stands; the largest score.
+    #[inline(never)]
     fn look(&mut self) -> f32 {
         let (largest, direction) = self.runs.largest(self.run, self.constants.cap);
         if self.alarm.is_none() && largest >= self.constants.limit {

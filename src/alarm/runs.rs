@@ -43,6 +43,7 @@ use crate::decide::{Direction, Directions, FeatureValue};
 use crate::logarithm::{ln, ln_of_level};
 use crate::plan::{Array, Cells, Plan};
 use crate::regression::factor::pairs;
+use crate::unroll::rolled;
 
 /// δ of (5), in standard deviations of a usual run.
 const BETS: [f32; 3] = [1.0, 2.0, 4.0];
@@ -126,7 +127,7 @@ impl<P: Plan> Runs<P> {
         let given = directions.list.cells();
         let at = |k: usize| Scores::new(given.get(k).unwrap_or(&Direction::UNIT), directions.usual_segments);
         Self {
-            list: Cells::from_fn(given.len(), at),
+            list: Cells::from_fn(rolled(given.len()), at),
             usual_segments: directions.usual_segments,
             margin: directions.margin,
             most_runs: directions.most_runs,
@@ -142,7 +143,7 @@ impl<P: Plan> Runs<P> {
 
     /// (1) of each direction.
     pub(super) fn add(&mut self, values: &[FeatureValue]) {
-        for (direction, y) in pairs(self.list.cells_mut(), values) {
+        for (direction, y) in pairs(rolled(self.list.cells_mut()), rolled(values)) {
             if !y.is_missing() {
                 let weight = 1.0 / (1.0 + y.variance / direction.segment);
                 direction.count += weight;
@@ -161,7 +162,7 @@ impl<P: Plan> Runs<P> {
     pub(super) fn largest(&self, segments: u32, cap: f32) -> (f32, u8) {
         let length = self.length(segments, cap);
         let (mut largest, mut risen) = ((0.0, 0), 0.0);
-        for (place, direction) in pairs(0..u8::MAX, self.list.cells()) {
+        for (place, direction) in pairs(0..u8::MAX, rolled(self.list.cells())) {
             let scores = direction.sequence(self.usual_segments, self.margin, length);
             let top = scores.into_iter().fold(0.0, f32::max);
             let deviations = direction.mean().map_or(0.0, |mean| direction.deviations_of(mean));
@@ -181,7 +182,7 @@ impl<P: Plan> Runs<P> {
     pub(super) fn end(&mut self, segments: u32, cap: f32, quiet: bool, now: u32) {
         let length = self.length(segments, cap);
         let learns = self.learned < self.most_runs && quiet;
-        for direction in self.list.cells_mut() {
+        for direction in rolled(self.list.cells_mut()) {
             direction.grow(segments as f32 / self.usual_segments, self.usual_segments);
             direction.end(self.usual_segments, self.margin, length, learns, now);
         }
@@ -201,6 +202,7 @@ impl<P: Plan> Runs<P> {
     }
 
     /// What a direction contributes.
+    #[inline(never)]
     pub(super) fn contribution(&self, place: u8) -> Option<Contribution> {
         let Scores { scores, since, deviations, .. } = self.list.cells().get(place as usize)?;
         let score = scores.iter().copied().fold(0.0, f32::max);

@@ -3,22 +3,24 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[path = "support/directed.rs"]
+#[allow(dead_code, reason = "its decisions are those of the detector")]
 mod directed;
 #[macro_use]
 #[path = "support/footprint.rs"]
 mod footprint;
 
-use bearing_watch::{Evidence, Verdict};
+use bearing_watch::{Detector, Evidence, Verdict};
 
 program!(run);
 
 fn run() -> ! {
+    let mut detector = Detector::new(&directed::MODEL);
     let mut evidence = Evidence::new(&directed::MODEL);
     loop {
         let [a, b, c] = footprint::inputs();
-        let Some(decision) = directed::decision([a, b, c, a + b, b + c]) else { continue };
-        footprint::tell(directed::MODEL.constants().classifier.verdict(&decision));
-        let mut alarm = evidence.observe(Some(&decision));
+        let Some(report) = detector.step(&directed::Sample { a, b, c, d: a, e: b }) else { continue };
+        footprint::tell(report.verdict);
+        let mut alarm = evidence.observe_outcome(report.outcome());
         if c > 0.0 {
             alarm = evidence.end_run();
         }

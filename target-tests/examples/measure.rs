@@ -151,9 +151,8 @@ fn estimator<P: Plan>(
     }
     let mut alone = Alone::new(plan, &with, &guarded);
     samples.iter().cycle().take(500).for_each(|sample| alone.step(sample));
-    let solve = counter.instructions_per_call(20, |_| {
-        black_box(black_box(&alone).estimate());
-    });
+    let mut closed = alone.clone().detach();
+    let solve = counter.instructions_once(|| while black_box(&mut closed).advance(black_box(&guarded)).is_none() {});
     line(format_args!("{name} solve + covariance"), 8, solve, None);
     if let Some(reason) = alone.estimate().reason {
         say!("no estimate: {reason}");
@@ -232,6 +231,7 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
     line(format_args!("{name}, collect, mean sample"), n, total / (length - 1), Some(size_of_val(&detector)));
     line(format_args!("{name}, collect, longest sample"), n, longest, None);
     line(format_args!("{name}, collect, sample that closes"), n, close, Some(size_of_val(&segment)));
+    line(format_args!("{name}, collect by copy, sample that closes"), n, copied(counter, model, samples), None);
     let (mut verdict, mut place) = (None, segment.clone());
     let whole = counter.instructions_once(|| {
         verdict = Some(black_box(&mut monitor).conclude_from(black_box(&mut place)).report.verdict);
@@ -262,6 +262,21 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
     }
 }
 
+/// The sample that closes a segment whose sums are copied and cleared.
+fn copied<P: Plan>(counter: &mut Counter, model: &Model<P>, samples: &[P::Sample]) -> u32 {
+    let (mut detector, mut next) = (Detector::new(black_box(model)), samples.iter().cycle());
+    let mut segment = None;
+    loop {
+        let Some(sample) = next.next() else { return 0 };
+        let one = counter.instructions_per_call(1, |_| {
+            segment = black_box(&mut detector).collect(black_box(sample));
+        });
+        if black_box(&segment).is_some() {
+            return one;
+        }
+    }
+}
+
 /// A detector that watches the shaft.
 fn watched<P: Plan<Sample: From<shaft::Motion>>>(counter: &mut Counter, name: &str, n: usize, model: &Model<P>) {
     let mut plant = shaft::Plant::new(6);
@@ -276,7 +291,7 @@ fn runs(counter: &mut Counter) {
     let (mut segment, mut end) = (0, 0);
     for number in 0..60 {
         for _ in 0..6 {
-            let values = numbers.array().map(|value| value + 0.02 * number as f32);
+            let values = numbers.array().map(|value| value + 0.06 * number as f32);
             let Some(decision) = directed::decision(values) else { return };
             let one = counter.instructions_per_call(1, |_| {
                 black_box(black_box(&mut evidence).observe(black_box(Some(&decision))));

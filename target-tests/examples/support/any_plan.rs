@@ -2,7 +2,8 @@
 
 use bearing_watch::model::{
     Background, Balance, Channel, Classifier, Constants, Covariate, Covariates, Direction, Directions, Discriminant,
-    EvidenceConstants, Feature, Forgetting, KNOTS, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, TrackedOrder, Tracking,
+    EvidenceConstants, Feature, Forgetting, KNOTS, Label, Lags, Novelty, Projection, Regression, Sampling,
+    ShaftConstants, TrackedOrder, Tracking,
 };
 use bearing_watch::plan::{
     Bounds, Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,

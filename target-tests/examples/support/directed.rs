@@ -2,20 +2,28 @@
 
 use bearing_watch::model::{
     Background, Channel, Classifier, Constants, Covariates, Direction, Directions, Discriminant, EvidenceConstants,
-    Feature, FeatureValue, KNOTS, Label, Law, Novelty, Projection, Sampling,
+    Feature, FeatureValue, Forgetting, KNOTS, Label, Law, Novelty, Projection, Regression, Sampling,
 };
-use bearing_watch::plan::{Kind, Layout, Plan};
+use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 use bearing_watch::{Decision, Model};
 
 /// Coordinates and directions.
 pub const DIRECTIONS: usize = 5;
 
 bearing_watch::plan! {
-    /// The means of five channels are the features and the coordinates.
+    /// The means of five channels are the features and the coordinates; a plan needs a regression or a shaft.
     pub struct Directed;
     /// One sample.
     pub struct Sample { a: "A", b: "A", c: "A", d: "A", e: "A" }
     layout: Layout {
+        regression: Some(RegressionLayout {
+            structure: Structure::new(1, 1, 0, 1, 0),
+            method: Method::LeastSquares,
+            memory: Memory::Segment,
+            y: a,
+            u1: b,
+            u2: b,
+        }),
         averaged: 0b1_1111,
         features: 5,
         coordinates: 5,
@@ -57,7 +65,16 @@ pub static MODEL: Model<Directed> = match Directed::model(Constants {
         Channel::within("d", "A", 100.0),
         Channel::within("e", "A", 100.0),
     ],
-    regression: [],
+    regression: [Regression {
+        scale: [1.0; 3],
+        nominal: [-0.2, 0.5],
+        deviation: 0.0,
+        forgetting: Forgetting { lambda: 0.999, floor: 10.0 },
+        huber: 0.0,
+        rest: 0.0,
+        settle: 10,
+        handover: 5,
+    }],
     shaft: [],
     classifier: Classifier {
         features: [
@@ -112,7 +129,7 @@ pub static MODEL: Model<Directed> = match Directed::model(Constants {
 
 /// The decision on a segment with these values in the directions.
 pub fn decision(values: [f32; DIRECTIONS]) -> Option<Decision<Directed>> {
-    let mut decision = MODEL.constants().classifier.decide(MODEL.plan(), &[0.0], 0.5)?;
+    let mut decision = MODEL.constants().classifier.decide(Directed, &[0.0], 0.5)?;
     decision.set_directed(&values.map(|value| FeatureValue { value, variance: 0.25 }));
     Some(decision)
 }

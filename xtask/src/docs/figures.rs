@@ -97,12 +97,13 @@ const fn kernel(
 type Value = fn(&Figure) -> Option<u64>;
 
 /// Whole detectors: a title, how the name of the figure ends, and its value. One column each, see [`DETECTORS`].
-const CALLS: [(&str, &str, Value); 15] = [
-    ("`collect`, mean sample", "collect, mean sample", |f| f.instructions),
-    ("`collect`, longest sample", "collect, longest sample", |f| f.instructions),
+const CALLS: [(&str, &str, Value); 17] = [
+    ("`exchange`, mean sample", "collect, mean sample", |f| f.instructions),
+    ("`exchange`, longest sample", "collect, longest sample", |f| f.instructions),
     ("the same for any data", "collect, longest sample, any data", |f| f.instructions),
-    ("`collect`, the sample that closes a segment", "collect, sample that closes", |f| f.instructions),
+    ("`exchange`, the sample that closes a segment", "collect, sample that closes", |f| f.instructions),
     ("the same for any data", "collect, sample that closes, any data", |f| f.instructions),
+    ("the same of `collect`, which copies and clears", "collect by copy, sample that closes", |f| f.instructions),
     ("`conclude`", "conclude", |f| f.instructions),
     ("the same for any data", "conclude, any data", |f| f.instructions),
     ("`Monitor::advance`, longest step", "longest step", |f| f.instructions),
@@ -112,7 +113,8 @@ const CALLS: [(&str, &str, Value); 15] = [
     // The example `measure` prints this number in the place of the size.
     ("`Monitor::advance`, number of steps", "number of steps", |f| f.n),
     ("reading and checking a model", "reading and checking its model", |f| f.instructions),
-    ("bytes of a `Detector`", "collect, mean sample", |f| f.bytes),
+    ("bytes of a `Detector`, its segment apart", "collect, mean sample", |f| f.bytes),
+    ("bytes of a `Segment`, one open and one spare", "collect, sample that closes", |f| f.bytes),
     ("bytes of a `Monitor`", "longest step", |f| f.bytes),
 ];
 
@@ -128,7 +130,7 @@ pub const DETECTORS: [(&str, &str); 4] = [
 const MEMORY: [(&str, &str); 6] = [
     ("stack of `step`, a sample inside a segment", "stack, {stack} sample"),
     ("stack of `step`, the end of a segment", "stack, {stack} segment end"),
-    ("stack of `collect`", "stack, {stack} collect"),
+    ("stack of `exchange`", "stack, {stack} collect"),
     ("stack of `conclude`", "stack, {stack} conclude"),
     ("stack of `Monitor::advance`", "stack, {stack} step of the solve"),
     ("flash that the whole detector adds to an empty program", "flash of the whole detector, {flash}"),

@@ -205,15 +205,16 @@ fn cost(document: &str) -> Result<Vec<[String; 2]>> {
         let cell = row.get(3).and_then(|cell| cell.split('/').nth(1));
         Ok(cell.with_context(|| format!("no cycles in `{name}`"))?.trim().to_owned())
     };
-    let ram = bytes("bytes of a `Detector`")? + bytes("bytes of a `Monitor`")?;
+    let segments = 2 * bytes("bytes of a `Segment`, one open and one spare")?;
+    let ram = bytes("bytes of a `Detector`, its segment apart")? + segments + bytes("bytes of a `Monitor`")?;
     Ok(vec![[
         "cost on a Cortex-M4F with 8 parameters, friction, and four orders of three harmonics".to_owned(),
         format!(
             "{} instructions a sample (longest {}), about {} cycles ({}); {ram} bytes of state, {} of flash",
-            cell("`collect`, mean sample")?,
-            cell("`collect`, longest sample")?,
-            waiting("cycles of `collect`, mean sample")?,
-            waiting("cycles of `collect`, longest sample")?,
+            cell("`exchange`, mean sample")?,
+            cell("`exchange`, longest sample")?,
+            waiting("cycles of `exchange`, mean sample")?,
+            waiting("cycles of `exchange`, longest sample")?,
             cell("flash that the whole detector adds to an empty program")?,
         ),
     ]])

@@ -11,9 +11,9 @@ const BOARDS: &str = "docs/boards.md";
 
 /// Calls: a title, and how the name of the figure ends.
 const CALLS: [(&str, &str); 5] = [
-    ("cycles of `collect`, mean sample", "collect, mean sample"),
-    ("cycles of `collect`, longest sample", "collect, longest sample"),
-    ("cycles of `collect`, the sample that closes a segment", "collect, sample that closes"),
+    ("cycles of `exchange`, mean sample", "collect, mean sample"),
+    ("cycles of `exchange`, longest sample", "collect, longest sample"),
+    ("cycles of `exchange`, the sample that closes a segment", "collect, sample that closes"),
     ("cycles of `conclude`", "conclude"),
     ("cycles of `Monitor::advance`, longest step", "longest step"),
 ];
