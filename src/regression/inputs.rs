@@ -44,7 +44,7 @@ impl<P: Plan> Frame<P> {
     /// By least squares, of levels from zero.
     #[inline(always)]
     #[must_use]
-    pub fn of_zeros(plan: P) -> Self {
+    pub(crate) fn of_zeros(plan: P) -> Self {
         Self { origin: [0.0; 3], base: Cells::filled(plan.layout().parameters(), 0.0), gain: 1.0 }
     }
 }
