@@ -2,6 +2,8 @@
 
 #[path = "../../examples/support/classifier.rs"]
 mod classifier;
+#[path = "../../target-tests/examples/support/law.rs"]
+mod law;
 #[path = "../../examples/support/numbers.rs"]
 pub mod numbers;
 #[allow(dead_code, reason = "the hash of its outputs is not wanted here")]

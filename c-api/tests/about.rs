@@ -10,6 +10,8 @@
 
 #[path = "../../examples/support/classifier.rs"]
 mod classifier;
+#[path = "../../target-tests/examples/support/law.rs"]
+mod law;
 #[path = "../../examples/support/numbers.rs"]
 mod numbers;
 #[allow(dead_code, reason = "only its model and plant are used")]

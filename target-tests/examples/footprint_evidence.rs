@@ -8,6 +8,8 @@ mod directed;
 #[macro_use]
 #[path = "support/footprint.rs"]
 mod footprint;
+#[path = "support/law.rs"]
+mod law;
 
 use bearing_watch::{Detector, Evidence, Verdict};
 

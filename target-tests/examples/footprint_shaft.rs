@@ -7,6 +7,8 @@
 mod footprint;
 #[path = "../../examples/support/classifier.rs"]
 mod classifier;
+#[path = "support/law.rs"]
+mod law;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "../../examples/support/numbers.rs"]
 mod numbers;

@@ -13,6 +13,8 @@ mod converter;
 mod drive_calls;
 #[path = "../../examples/support/flash.rs"]
 mod flash;
+#[path = "support/law.rs"]
+mod law;
 #[allow(dead_code, reason = "its samples are not wanted here")]
 #[path = "../../examples/support/standard_rig/model.rs"]
 mod model;

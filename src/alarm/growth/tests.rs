@@ -137,3 +137,14 @@ fn hours_are_those_of_a_usual_run() {
     assert_eq!(growth.left_hours().map(|left| left.high), Some(10.0));
     assert_eq!(growth.slope_per_hour().low, 10.0);
 }
+
+#[test]
+fn an_offset_that_lasts_is_no_growth() {
+    // It rises over fifty runs by one and a half deviations of a run, of which many runs leave a small error.
+    let risen = |run: u32| 0.03 * run.min(50) as f32;
+    for runs in 30..120 {
+        let growth = course(runs, risen).growth(0.0, 0.001, 17.0);
+        assert!(!growth.is_growing(), "{runs}: {growth:?}");
+    }
+    assert!(course(120, |run| 0.03 * run as f32).growth(0.0, 0.001, 17.0).is_growing());
+}

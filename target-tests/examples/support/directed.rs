@@ -2,10 +2,12 @@
 
 use bearing_watch::model::{
     Background, Channel, Classifier, Constants, Covariates, Direction, Directions, Discriminant, EvidenceConstants,
-    Feature, FeatureValue, Forgetting, KNOTS, Label, Law, Novelty, Projection, Regression, Sampling,
+    Feature, FeatureValue, Forgetting, Label, Novelty, Projection, Regression, Sampling,
 };
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 use bearing_watch::{Decision, Model};
+
+use super::law::LAW;
 
 /// Coordinates and directions.
 pub const DIRECTIONS: usize = 5;
@@ -33,18 +35,6 @@ bearing_watch::plan! {
         ..Layout::EMPTY
     }
 }
-
-/// A law whose surprise is half the value.
-const LAW: Law = {
-    let mut law = [[0.0; 2]; KNOTS];
-    let (mut rest, mut surprise): (&mut [[f32; 2]], f32) = (&mut law, 0.0);
-    while let [knot, later @ ..] = rest {
-        *knot = [2.0 * surprise, surprise];
-        surprise += 1.0;
-        rest = later;
-    }
-    law
-};
 
 /// Skewed, with a background: no part of the sums is left out.
 const fn direction(coordinate: u8, explained_by: u8) -> Direction {

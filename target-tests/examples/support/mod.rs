@@ -17,6 +17,8 @@ pub mod front_end;
 #[allow(dead_code, reason = "only `kernels` compares bits by hashes")]
 #[path = "../../../examples/support/hash.rs"]
 pub mod hash;
+#[allow(dead_code, reason = "not every program has a gate")]
+pub mod law;
 #[allow(dead_code, reason = "only `measure_signature` has calls that are that long")]
 #[cfg(all(target_os = "none", feature = "signature"))]
 pub mod long_count;

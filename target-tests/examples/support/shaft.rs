@@ -1,13 +1,14 @@
 //! Models that watch the shaft and its bearing, and a motion for them.
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Constants, EvidenceConstants, Feature, KNOTS, Lags, Law, Regression, Sampling,
-    ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking, q16,
+    Balance, Blocks, Channel, Constants, EvidenceConstants, Feature, Lags, Regression, Sampling, ShaftConstants,
+    StateVariable, TERMS, TrackedOrder, Tracking, q16,
 };
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout};
 use bearing_watch::{Angle, FrictionTerm, Model};
 
 use super::classifier::classifier;
+use super::law::LAW;
 use super::numbers::Numbers;
 use super::refined::{FORGETTING, LABELS, STRUCTURE};
 
@@ -68,18 +69,6 @@ bearing_watch::plan! {
 }
 
 const INTERVAL_S: f32 = 0.002;
-
-/// A law whose surprise is half the value.
-const LAW: Law = {
-    let mut law = [[0.0; 2]; KNOTS];
-    let (mut rest, mut surprise): (&mut [[f32; 2]], f32) = (&mut law, 0.0);
-    while let [knot, later @ ..] = rest {
-        *knot = [2.0 * surprise, surprise];
-        surprise += 1.0;
-        rest = later;
-    }
-    law
-};
 
 /// p₀ … p₆ of the healthy shaft; load friction and Stribeck friction are zero.
 const NOMINAL: [f32; TERMS] = [5e-3, 2e-3, 0.1, 20.0, 0.05, 0.0, 0.0];
