@@ -141,9 +141,7 @@ pub const BOUNDS: [Bound; 117] = [
     // numbers of directions are constants of each model.
     bytes("flash of the whole detector, LS", Some(8), 14_120),
     bytes("flash of the whole detector, SRIV", Some(8), 16_860),
-    // The response of the filter and the parts of a block take 1.4 kB instead of a filter for each harmonic in RAM, and
-    // the sums in a place of their own 90 bytes.
-    bytes("flash of the whole detector, LS and shaft", Some(8), 38_200),
+    bytes("flash of the whole detector, LS and shaft", Some(8), 35_300),
     // With growth, silence and trend.
     bytes("flash of the evidence of runs, its reason and its growth", Some(5), 6500),
     bytes("evidence of runs, longest segment", Some(5), 840),

@@ -292,8 +292,8 @@ impl<P: Plan> RegressionSolve<P> {
             variance: &mut estimate.variance,
             work: self.work.cells_mut(),
         };
-        // Known at compile time. With a shaft, whose balance needs instruments, one copy of the code serves both.
-        let plain = outputs == 0 && plan.layout().shaft.is_none();
+        // Known at compile time. By least squares the torque balance uses the same copy of the code.
+        let plain = outputs == 0;
         if let Step::Covariance(solution) = &mut self.next {
             let add = if plain { Solution::add_column::<false> } else { Solution::add_column::<true> };
             return Ok(add(solution, problem, solved));
