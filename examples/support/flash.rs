@@ -10,12 +10,13 @@ pub struct Flash {
     bytes: [u8; SIZE],
     /// Number of words that are still written before the power fails.
     left: u32,
+    erasures: u32,
 }
 
 impl Flash {
     /// Erased, with power.
     pub const fn new() -> Self {
-        Self { bytes: [0xFF; SIZE], left: u32::MAX }
+        Self { bytes: [0xFF; SIZE], left: u32::MAX, erasures: 0 }
     }
 
     /// The power fails after so many words.
@@ -26,6 +27,12 @@ impl Flash {
     /// The power comes back.
     pub const fn power_up(&mut self) {
         self.left = u32::MAX;
+    }
+
+    /// Number of erasures.
+    #[allow(dead_code, reason = "only tests count them")]
+    pub const fn erasures(&self) -> u32 {
+        self.erasures
     }
 
     fn cells(&mut self, at: u32, length: usize) -> Result<&mut [u8], NorFlashErrorKind> {
@@ -57,6 +64,7 @@ impl NorFlash for Flash {
     const ERASE_SIZE: usize = 2048;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        self.erasures = self.erasures.saturating_add(1);
         self.cells(from, to.saturating_sub(from) as usize)?.fill(0xFF);
         Ok(())
     }

@@ -5,7 +5,8 @@
 //!
 //! ```text
 //! slot    header | payload | erased rest          at `start`, and again `slot_bytes` later
-//! store   erase the slot without the newest record ─► payload, read back ─► header, read back
+//! prepare erase the slot without the newest record ─► mark in its last unit
+//! store   the same without a mark ─► payload, read back ─► header, read back
 //! load    of both slots the records whose checksums match, the one with the larger counter first
 //! header  "BWSL"  version u8  kind u8  0 u16  counter u32  length u32  model u32  drive [u8; 16]
 //!         CRC-32 of the payload u32  CRC-32 of the header u32                    little-endian, 44 bytes
@@ -18,6 +19,15 @@
 //! **Sizes.** Sizes of reads, writes and erasures are those of the flash's traits. One erasure at least separates the
 //! slots, so a flash with sectors of 16 kB needs 32 kB for a pair. `PAGE` bytes of stack are needed once to read and
 //! twice to write: at least 44, rounded up to the size of a write.
+//!
+//! **Stalls.** A chip that runs from the bank that it erases stands still meanwhile: by its data sheet an
+//! STM32F405 for 0.25 to 0.8 s a sector of 16 kB, and for 1 to 4 s one of 128 kB. Call [`SlotPair::prepare`] at boot or
+//! at rest, and a store at power-down only writes.
+//!
+//! **Error correction.** On a flash that checks words, such as those of an STM32G4, L4 or H7, reading a word whose
+//! programming was cut off raises a fault: a non-maskable interrupt on G4 and L4 (`FLASH_ECCR`, bit ECCD), a bus fault
+//! on H7. Its handler must clear the flag and return, and the driver's `read` return an error; the slot then counts as
+//! empty.
 //!
 //! **Wear.** A store erases one slot once, and stores alternate between the slots: a flash of 10 000 erasures endures
 //! 20 000 stores. A state that is saved once an hour lasts two years, once a day fifty. Save at power-down, at the end

@@ -1,5 +1,7 @@
 //! Two slots for records of one kind.
 
+mod prepared;
+
 use embedded_storage::nor_flash::NorFlash;
 
 use super::error::StorageError;
@@ -125,7 +127,7 @@ impl<const PAGE: usize> SlotPair<PAGE> {
         Err(reason)
     }
 
-    /// Stores a record in place of the older one. Whatever happens on the way, the newest record is still there or this
+    /// Stores a record in place of the older one; it erases that first, unless [`SlotPair::prepare`] has. Whatever happens on the way, the newest record is still there or this
     /// one is complete. Nothing is erased if neither slot can be read: then [`SlotPair::erase`] starts afresh.
     ///
     /// # Errors
@@ -149,7 +151,9 @@ impl<const PAGE: usize> SlotPair<PAGE> {
         // Only what the record needs: a slot may be longer.
         let used = rounded(Self::header::<F>().saturating_add(payload.len()), F::ERASE_SIZE);
         let end = at.saturating_add(u32::try_from(used).unwrap_or(u32::MAX)).min(at.saturating_add(self.slot_bytes));
-        flash.erase(at, end).map_err(StorageError::Flash)?;
+        if !self.is_prepared(flash, second, payload.len()) {
+            flash.erase(at, end).map_err(StorageError::Flash)?;
+        }
         Self::write(flash, at.saturating_add(offset(Self::header::<F>())), payload)?;
         Self::write(flash, at, &record.to_bytes(self.kind))?;
         Ok(record)

@@ -133,3 +133,52 @@ fn what_does_not_fit_is_refused() {
     }
     assert!(SlotPair::<40>::new(&flash, 0, SLOT, RecordKind::State).is_err(), "a page shorter than a header");
 }
+
+/// The words that a store of 150 bytes writes: 38 of its payload, and 11 of the header.
+const WORDS: u32 = 49;
+
+#[test]
+fn a_prepared_store_only_writes() {
+    let (mut flash, pair) = two();
+    assert_eq!((pair.prepare(&mut flash), pair.prepare(&mut flash)), (Ok(true), Ok(false)));
+    assert_eq!(loaded(&mut flash, &pair), Some((2, 150, 2, None)), "the newest record is there");
+    let before = flash.erasures();
+    assert_eq!(pair.store(&mut flash, &LABEL, &[3; 150]).unwrap().counter, 3);
+    assert_eq!((flash.erasures(), loaded(&mut flash, &pair)), (before, Some((3, 150, 3, None))));
+    // The other slot is not prepared, and a slot that is written is none.
+    assert_eq!(pair.store(&mut flash, &LABEL, &[4; 150]).unwrap().counter, 4);
+    assert_eq!(flash.erasures(), before + 1);
+    assert_eq!(pair.prepare(&mut flash), Ok(true));
+    // A payload as long as the slot has no room for the mark.
+    let long = [5; 2048];
+    pair.store(&mut flash, &LABEL, &long[..pair.capacity::<Flash>()]).unwrap();
+    assert_eq!(flash.erasures(), before + 3);
+    assert_eq!(pair.newest(&mut flash).unwrap().map(|record| record.counter), Some(5));
+    // An empty pair may be prepared, too.
+    pair.erase(&mut flash).unwrap();
+    assert_eq!(pair.prepare(&mut flash), Ok(true));
+    let before = flash.erasures();
+    pair.store(&mut flash, &LABEL, &[6; 9]).unwrap();
+    assert_eq!((flash.erasures(), loaded(&mut flash, &pair)), (before, Some((6, 9, 1, None))));
+}
+
+#[test]
+fn an_erasure_that_was_cut_off_or_a_store_into_it_is_erased_again() {
+    let (mut flash, pair) = two();
+    flash.fail_after(0);
+    assert!(pair.prepare(&mut flash).is_err(), "no mark");
+    flash.power_up();
+    let before = flash.erasures();
+    pair.store(&mut flash, &LABEL, &[3; 150]).unwrap();
+    assert_eq!(flash.erasures(), before + 1, "cells without a mark are not trusted");
+    for words in 0..WORDS {
+        let (mut flash, pair) = two();
+        pair.prepare(&mut flash).unwrap();
+        flash.fail_after(words);
+        assert!(pair.store(&mut flash, &LABEL, &[3; 150]).is_err(), "{words}");
+        flash.power_up();
+        assert!(matches!(loaded(&mut flash, &pair), Some((2, 150, 2, _))), "{words}");
+        assert_eq!(pair.store(&mut flash, &LABEL, &[4; 150]).unwrap().counter, 3, "{words}");
+        assert_eq!(loaded(&mut flash, &pair), Some((4, 150, 3, None)), "{words}");
+    }
+}

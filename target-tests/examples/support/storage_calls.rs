@@ -26,6 +26,7 @@ fn calls(pair: SlotPair<64>, flash: &mut Flash, show: &mut impl FnMut(&dyn fmt::
     let label = opaque(RecordLabel { model: 7, drive: Label::constant("drive") });
     let (payload, mut buffer) = (opaque([1; 300]), opaque([0; 400]));
     opaque(SlotPair::capacity::<Flash>(&pair));
+    opaque(SlotPair::prepare(&pair, flash).is_ok());
     let stored = SlotPair::store(&pair, flash, &label, payload.get(..opaque(200)).unwrap_or_default());
     let newest = opaque(SlotPair::newest(&pair, flash));
     opaque(newest.as_ref().ok().copied().flatten().and_then(|record| Record::passed_over(&record)));
