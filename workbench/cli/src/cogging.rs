@@ -16,6 +16,7 @@ use model::cogging::{Line, Lines, LinesSettings, Recording, Residual, Wave, fit,
 use model::grey_box::motor::{Load, MotorRecord, MotorSettings};
 use model::trace::{Channels, MotionTrace, ShaftChannels, Trace};
 use pages::cogging::{HEADER, cells, page};
+use pages::page::counted;
 use traces::resample::unwrapped;
 
 /// What turns with the rotor: cogging, ripple of the torque constant and unbalance by whole orders, the drive's map of
@@ -139,7 +140,8 @@ impl Args {
         }
         if let Some(path) = &self.report {
             let [forward, backward] = lines.turns;
-            let lead = format!("{traces} traces with {forward:.0} turns forward and {backward:.0} backward.");
+            let traces = counted(traces, "trace");
+            let lead = format!("{traces} with {forward:.0} turns forward and {backward:.0} backward.");
             let page = page(lines, &lead, change.map(told).as_deref()).render();
             written.push((path, self.taken.on_page(page)));
         }
