@@ -249,3 +249,17 @@ fn a_dbc_file_has_the_signals_of_the_core_and_the_names_of_the_model() {
     refuse(dir, "dbc --model absent.bwm --id 0x123", &["absent.bwm"]);
     refuse(dir, "dbc --model model.bwm --id 0x123 --out model.bwm", &["model.bwm"]);
 }
+
+/// The table of the book is that of the core.
+#[test]
+fn the_book_has_the_signals_of_the_core() {
+    let book = include_str!("../../../../book/src/firmware.md");
+    let (_, table) = book.split_once("| signal | first bit |").expect("the table");
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    let rows: Vec<Vec<&str>> = rows.map(|row| row.split('|').skip(1).take(4).map(str::trim).collect()).collect();
+    let signals = SegmentFrame::SIGNALS.map(|signal| {
+        let step = format!("{} {}", signal.factor, signal.unit).trim().to_string();
+        [format!("`{}`", signal.name), signal.start.to_string(), signal.length.to_string(), step]
+    });
+    assert_eq!(rows, signals);
+}
