@@ -2,6 +2,8 @@
 
 #[doc = include_str!("../book/src/drive-engineer.md")]
 struct DriveEngineer;
+#[doc = include_str!("../book/src/firmware.md")]
+struct Firmware;
 #[doc = include_str!("../book/src/mathematics.md")]
 struct Mathematics;
 #[doc = include_str!("../book/src/porting.md")]

@@ -42,7 +42,7 @@
 //! detector    Detector, of the interrupt: samples ─► Segment;   Monitor, of the main loop: Segment ─► Report, Alarm
 //!             alarm and baseline as bytes;   Commissioning: reports of the healthy drive ─► its own Model, on request
 //! storage     records in flash that survive power-off
-//! telemetry   reports and samples as frames for a serial line, and their decoder
+//! telemetry   reports and samples as frames for a serial line, and their decoder; reports as frames for CAN
 //! signature   signed models, and saved states under a key of the drive
 //! ```
 //!
@@ -52,7 +52,7 @@
 //! the same bits on a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
 //!
 //! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (the driver `ad2s1210`),
-//! `embedded-storage` (records in flash), `telemetry` (frames for a serial line), `signature` (signed models, sealed
+//! `embedded-storage` (records in flash), `telemetry` (frames for a serial line or CAN), `signature` (signed models, sealed
 //! states), `nalgebra` (conversions of covariance and projection),
 //! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator,
 //! as the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).

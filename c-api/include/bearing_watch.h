@@ -108,6 +108,9 @@
 // not larger than `BW_MAX_…`.
 #define BW_FRAME_SIZE 544
 
+// Bytes of the frame of `bw_can_frame`.
+#define BW_CAN_FRAME_SIZE 8
+
 // What a function returns: 0 or above if it did what it says, below 0 if it did nothing. But with
 // `BW_CODE_SEGMENT_LOST` the sample is taken, with `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer, and
 // with a `BW_CODE_CALIBRATION_…` `bw_calibration_finish` names the refused sensor.
@@ -1393,6 +1396,18 @@ BwCode bw_telemetry_raw(struct BwTelemetry *telemetry,
                         uint8_t *buffer,
                         size_t capacity,
                         size_t *length);
+
+// Writes the last segment, as `bw_report` and `bw_alarm` give it, into the `BW_CAN_FRAME_SIZE` bytes of a CAN frame:
+// number, verdict with its reason, alarm with its cause, silence, usable share and distance. Send one after each
+// `BW_CODE_REPORT`, under any identifier, and again if `bw_discard` has withdrawn the report. `bearing-watch dbc`
+// writes the DBC file of the frame, and `bearing-watch listen --can-id` reads it from logs.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_NO_REPORT`, or `BW_CODE_BUSY`; the bytes are then as before.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `frame` is NULL or has
+// `BW_CAN_FRAME_SIZE` writable bytes.
+BwCode bw_can_frame(struct BwState *state, uint8_t *frame);
 
 // Returns the version of the library, a text that ends in a zero byte.
 const char *bw_version(void);

@@ -22,6 +22,7 @@
 //!
 //! interrupts           bw_recorder_push, bw_raw_recorder_push   samples; now and then BW_CODE_BLOCK
 //! main loop            bw_telemetry_…      reports and blocks of samples as frames, for `bearing-watch listen`
+//!                      bw_can_frame        the report in one frame of 8 bytes
 //! ```
 //!
 //! No function allocates, blocks, panics or has global state; of `bw_verify_model` the linker does not prove the third.
@@ -42,6 +43,7 @@ mod about;
 mod alarm;
 mod blocks;
 mod calibration;
+mod can;
 mod code;
 mod front_end;
 mod growth;
@@ -68,6 +70,7 @@ pub use calibration::{
     BW_CALIBRATION_SIZE, BwCalibration, BwCalibrationLimits, BwRefusedOffset, bw_calibration_finish,
     bw_calibration_init, bw_calibration_push,
 };
+pub use can::{BW_CAN_FRAME_SIZE, bw_can_frame};
 pub use code::{BwCode, bw_error_text};
 pub use front_end::constants::{BwFrontEndConstants, BwPhaseSensor, bw_check_front_end};
 pub use front_end::faults::{BwFrontEndFaults, BwImbalance, BwLock, bw_front_end_clear_faults, bw_front_end_faults};

@@ -14,35 +14,16 @@ mod standard_rig;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod support;
 
-use bearing_watch::model::{EvidenceConstants, KNOTS, Novelty};
+#[path = "support/alarmed.rs"]
+mod alarmed;
+
 use bearing_watch_c::*;
 
-use standard_rig::model::{Drive, MODEL, Sample};
+use standard_rig::model::{MODEL, Sample};
 use support::{Memory, SEGMENT, alarm, bytes, channels};
 
 /// The second trace is of a spall.
 const SPALL: usize = 1;
-
-/// The model of the rig with a gate about its healthy class, whose surprise is half of the squared distance, and an
-/// alarm after two segments of defects or more.
-fn model() -> Vec<u8> {
-    let mut constants = MODEL.constants().clone();
-    let mut knots = [[0.0; 2]; KNOTS];
-    for (k, knot) in (0_u8..).zip(&mut knots) {
-        *knot = [2.0 * f32::from(k), f32::from(k)];
-    }
-    let healthy = &constants.classifier.discriminant;
-    constants.classifier.novelty = Novelty {
-        class: Some(0),
-        mean: healthy.means[..5].try_into().unwrap(),
-        factor: healthy.factors,
-        knots,
-        limit: 7.0,
-        ..constants.classifier.novelty
-    };
-    constants.evidence = EvidenceConstants { bet: 0.2, limit: 8.0, cap: 5.0, ..EvidenceConstants::NONE };
-    bytes(&Drive::model(constants).expect("a model that fits"))
-}
 
 /// Takes a segment of one of the three traces, with its current multiplied.
 fn take(state: *mut BwState, trace: usize, gain: f32) -> BwAlarm {
@@ -62,7 +43,7 @@ fn told(alarm: &BwAlarm) -> (bool, bool, u8, u32) {
 #[test]
 fn a_trained_defect_is_known_and_the_alarm_keeps_its_segment() {
     let mut memory = Memory::new();
-    let state = memory.state(&model()).expect("good model");
+    let state = memory.state(&bytes(&alarmed::model())).expect("good model");
     assert_eq!(told(&take(state, 0, 1.0)), (false, false, 0, 0), "healthy");
     let raised = (0..4).map(|_| take(state, SPALL, 1.0)).find(|alarm| alarm.raised).expect("an alarm");
     assert_eq!(told(&raised), (true, true, 1, raised.segments));
@@ -73,7 +54,7 @@ fn a_trained_defect_is_known_and_the_alarm_keeps_its_segment() {
 #[test]
 fn what_resembles_no_defect_is_not_known() {
     let mut memory = Memory::new();
-    let state = memory.state(&model()).expect("good model");
+    let state = memory.state(&bytes(&alarmed::model())).expect("good model");
     // A sensor of five times the gain.
     let raised = (0..4).map(|_| take(state, 0, 5.0)).find(|alarm| alarm.raised).expect("an alarm");
     assert_eq!(told(&raised), (true, false, 0, raised.segments));
@@ -82,7 +63,7 @@ fn what_resembles_no_defect_is_not_known() {
 #[test]
 fn the_slope_is_within_its_interval() {
     let mut memory = Memory::new();
-    let state = memory.state(&model()).expect("good model");
+    let state = memory.state(&bytes(&alarmed::model())).expect("good model");
     let alarms = [0, SPALL, 0, SPALL, 0].map(|trace| take(state, trace, 1.0));
     let [.., early, last] = alarms;
     assert!(alarms[2].slope_low.is_nan() && early.slope.is_finite(), "from the fourth segment on");

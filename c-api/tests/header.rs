@@ -18,7 +18,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 18] = [
+const SOURCES: [&str; 19] = [
     "code",
     "plan",
     "signature",
@@ -35,6 +35,7 @@ const SOURCES: [&str; 18] = [
     "wiring",
     "recorder",
     "telemetry",
+    "can",
     "about",
     "names",
 ];

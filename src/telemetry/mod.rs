@@ -3,7 +3,7 @@
 //! Enters: reports, samples of the detector in blocks of a [`Recorder`], and raw samples at the control rate in those
 //! of a [`RawRecorder`]. Leaves: frames of [`Encoder`] in the caller's buffer; a drive without a model sends raw
 //! samples by [`RawEncoder`]. At the other end [`Decoder`] takes bytes and returns [`Frame`]s; `bearing-watch listen`
-//! shows and stores them.
+//! shows and stores them. For a line of 8 bytes a frame, such as CAN, there is a [`SegmentFrame`] of each report.
 //!
 //! ```
 //! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
@@ -75,6 +75,7 @@
 //!
 //! A frame has at most content · 255/254 + 6 bytes; the content is 10 bytes, the fields, and the lists.
 
+mod can;
 mod codes;
 mod counts;
 mod decoder;
@@ -87,6 +88,7 @@ mod samples;
 mod sink;
 mod summary;
 
+pub use can::{SegmentFrame, Signal};
 pub use counts::LinkCounts;
 pub use decoder::{Body, Decoder, Frame};
 pub use encoder::{Encoder, RawEncoder};

@@ -225,6 +225,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             commission(model, &report);
             saved(model, &mut evidence, baseline.as_mut());
             telemetry_calls::encode(model, &report, &evidence, |error| show(error));
+            telemetry_calls::on_can(model, &report, &evidence);
             if let Some(baseline) = &mut baseline {
                 follow(model, baseline, &mut opaque(report));
             }

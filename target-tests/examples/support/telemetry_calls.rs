@@ -5,8 +5,8 @@ use core::hint::black_box as opaque;
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::plan::Plan;
 use bearing_watch::telemetry::{
-    Block, Body, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock, RawEncoder, RawRecorder, Recorder, Source,
-    Summary,
+    Block, Body, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock, RawEncoder, RawRecorder, Recorder,
+    SegmentFrame, Signal, Source, Summary,
 };
 use bearing_watch::{Angle, Evidence, Model, Report};
 
@@ -28,6 +28,19 @@ pub fn encode<P: Plan>(
     match Encoder::report(&mut encoder, opaque(report), opaque(evidence), buffer) {
         Ok(frame) => decode(frame),
         Err(error) => show(&error),
+    }
+}
+
+/// The frame of a report for CAN, and what a receiver reads of one.
+pub fn on_can<P: Plan>(model: &Model<P>, report: &Report<P>, evidence: &Evidence<P>) {
+    let sent = opaque(SegmentFrame::of(model, opaque(report), opaque(evidence)));
+    let Some(frame) = SegmentFrame::from_bytes(opaque(SegmentFrame::to_bytes(sent))) else { return };
+    opaque((SegmentFrame::segment(frame), SegmentFrame::undetermined(frame), SegmentFrame::usable_percent(frame)));
+    opaque((SegmentFrame::deviations(frame), SegmentFrame::distance(frame), SegmentFrame::is_silent(frame)));
+    opaque(SegmentFrame::verdict_number(opaque(SegmentFrame::verdict(frame))));
+    opaque(SegmentFrame::alarm_number(opaque(SegmentFrame::alarm(frame))));
+    for signal in &opaque(SegmentFrame::SIGNALS) {
+        opaque(Signal::largest(signal));
     }
 }
 

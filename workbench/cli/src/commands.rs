@@ -7,7 +7,7 @@ use clap::Subcommand;
 
 use super::options::{Job, Taken};
 use super::{
-    audit, campaign, cogging, confirm, convert, demo, evaluate, features, features_sum, grey_box, identify, init,
+    audit, campaign, cogging, confirm, convert, dbc, demo, evaluate, features, features_sum, grey_box, identify, init,
     listen, pages_of_help, piecewise, replay, schema, signing, simulate, simulate_features, structure, tables, train,
     train_features, validate, view,
 };
@@ -37,6 +37,7 @@ pub(super) enum Command {
     Confirm(confirm::Args),
     View(view::Args),
     Listen(listen::Args),
+    Dbc(dbc::Args),
     Convert(Box<convert::ConvertArgs>),
     Resample(Box<convert::ResampleArgs>),
     Keys(signing::KeysArgs),
@@ -114,6 +115,7 @@ impl Command {
             | Self::Confirm(_)
             | Self::View(_)
             | Self::Listen(_)
+            | Self::Dbc(_)
             | Self::Keys(_)
             | Self::Sign(_)
             | Self::Verify(_)
@@ -151,6 +153,7 @@ impl Command {
             Self::Confirm(args) => confirm::run(args),
             Self::View(args) => view::run(args),
             Self::Listen(args) => listen::run(args),
+            Self::Dbc(args) => dbc::run(args),
             Self::Convert(args) => convert::convert(args),
             Self::Resample(args) => convert::resample(args),
             Self::Keys(args) => signing::keys(args),

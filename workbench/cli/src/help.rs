@@ -30,7 +30,7 @@ const SHORT: &[(&str, &[&str])] = &[
 ];
 
 /// Options of every command that only `--help` has.
-const RARE: &[&str] = &["save", "no_drive"];
+const RARE: &[&str] = &["save", "no_drive", "verbose"];
 
 /// The headings of options that are no settings.
 const HEADINGS: &[(&str, &[&str])] = &[

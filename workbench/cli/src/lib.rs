@@ -15,11 +15,13 @@
 mod arguments;
 mod audit;
 mod campaign;
+mod can_id;
 mod cogging;
 mod commands;
 mod common;
 mod confirm;
 mod convert;
+mod dbc;
 mod demo;
 #[doc(hidden)]
 pub mod doors;

@@ -81,7 +81,7 @@ impl View {
         live.reports.push(LiveReport { judged, posteriors });
         let more = live.reports.len().saturating_sub(REPORTS);
         live.reports.drain(..more);
-        live.alarm = summary.alarm.map(|alarm| (f64::from(alarm.segment), words::cause(names, alarm)));
+        live.alarm = summary.alarm.map(|alarm| (f64::from(alarm.segment), words::cause(names, alarm.cause)));
         live.line = words::report_line(names, summary);
     }
 

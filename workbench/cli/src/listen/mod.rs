@@ -1,5 +1,6 @@
 //! `bearing-watch listen`
 
+mod can;
 mod live;
 mod names;
 mod raw;
@@ -9,15 +10,20 @@ mod traces;
 mod words;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use bearing_watch::telemetry::Decoder;
 
+use super::can_id::CanId;
 use super::serve::stop_flag;
+use can::Listener;
 use live::View;
 use model::Error;
+use model::session::ModelFile;
+use names::Names;
 use receiver::{Output, Receiver};
 use traces::Traces;
 
@@ -33,8 +39,13 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// number, a new file starts. Raw samples at the control rate become files raw_000.csv and so on, for --front-end of
 /// `train`, with the columns phase_a_counts, phase_b_counts and, of a third sensor, phase_c_counts; angle_counts (32
 /// bits a turn), or sin and cos; and those of --further. The end of the source, --seconds or Ctrl-C ends it.
+///
+/// With --can-id the source is the log of a CAN bus, as `candump -L` prints it or as an ASC file, and the frames of this
+/// identifier are segments (SegmentFrame, bw_can_frame): they are shown with their alarm, and lost, repeated and
+/// withdrawn ones are counted. A drive that counts from 1 again has started again.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces")]
+#[command(after_help = "Examples:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces\n  \
+                  candump -L can0 | bearing-watch listen - --can-id 0x123 --model model.bwm")]
 pub(super) struct Args {
     /// Serial port, file, or - for standard input
     source: String,
@@ -51,6 +62,12 @@ pub(super) struct Args {
     /// page stays after the end of the source, until --seconds or Ctrl-C
     #[arg(long, value_name = "PORT")]
     view: Option<u16>,
+    /// Identifier of the frames of segments in the log of a CAN bus; more than three digits are an extended one
+    #[arg(long, value_name = "ID", value_parser = CanId::parse, conflicts_with_all = ["baud", "out", "further", "view"])]
+    can_id: Option<CanId>,
+    /// The model of the drive, which has the names of its classes: frames on a CAN bus have numbers only
+    #[arg(long, value_name = "FILE", requires = "can_id")]
+    model: Option<PathBuf>,
     /// End after this time
     #[arg(long)]
     seconds: Option<f64>,
@@ -60,29 +77,40 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let deadline = args.deadline()?;
+    let line = Line { args, deadline: args.deadline()?, stopped: stop_flag()? };
+    match args.can_id {
+        Some(id) => segments(&line, id),
+        None => frames(&line),
+    }
+}
+
+/// Segments from the log of a CAN bus.
+fn segments(line: &Line<'_>, id: CanId) -> Result<(), Error> {
+    let file = line.args.model.as_deref().map(ModelFile::read).transpose()?;
+    let names = file.as_ref().map_or_else(Names::default, Names::of_model);
+    let mut listener = Listener::new(id, names, Output::printed(line.args.json));
+    if let Some(error) = line.receive(|bytes| listener.take(bytes))? {
+        // What came before the failure is kept.
+        if listener.has_segments() {
+            listener.end(&line.args.source)?;
+        }
+        return Err(error);
+    }
+    listener.end(&line.args.source)
+}
+
+/// Frames of a serial line.
+fn frames(line: &Line<'_>) -> Result<(), Error> {
+    let args = line.args;
     let traces = args.out.as_deref().map(Traces::new).transpose()?;
-    let stopped = stop_flag()?;
-    let chunks = source::open(&args.source, args.baud);
     let mut decoder = Box::new(Decoder::<LONGEST>::new());
-    let view = args.view.map(|port| View::open(port, &stopped)).transpose()?;
+    let view = args.view.map(|port| View::open(port, &line.stopped)).transpose()?;
     let mut receiver = Receiver::new(Output::printed(args.json), traces, args.further.clone());
     if let Some((view, address)) = view {
         receiver.show(view, &address)?;
     }
-    let mut failure = None;
-    let goes_on = || !stopped.load(Ordering::Relaxed) && deadline.is_none_or(|end| Instant::now() < end);
-    while goes_on() {
-        match chunks.recv_timeout(PATIENCE) {
-            Ok(Ok(bytes)) => {
-                feed(&mut decoder, &bytes, &mut receiver)?;
-            }
-            Ok(Err(error)) => failure = Some(error),
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => break,
-        }
-    }
-    while args.view.is_some() && failure.is_none() && goes_on() {
+    let failure = line.receive(|bytes| feed(&mut decoder, bytes, &mut receiver))?;
+    while args.view.is_some() && failure.is_none() && line.goes_on() {
         std::thread::sleep(PATIENCE);
     }
     let counts = decoder.counts();
@@ -91,16 +119,53 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         if counts.frames > 0 {
             receiver.end(counts)?;
         }
-        return Err(Error::io(&args.source)(error));
+        return Err(error);
     }
     if counts.frames == 0 {
-        return Err(Error::Usage(format!("{}: {}", args.source, words::nothing(counts))));
+        let log = [".log", ".asc"].iter().any(|end| args.source.to_ascii_lowercase().ends_with(end));
+        let hint = if log { "; the log of a CAN bus needs --can-id" } else { "" };
+        return Err(Error::Usage(format!("{}: {}{hint}", args.source, words::nothing(counts))));
     }
     receiver.end(counts)
 }
 
-/// Takes what came over a line, writes its samples to this folder, and shows it by `output`; for attacks.
+/// A source, and until when it is listened to.
+struct Line<'a> {
+    args: &'a Args,
+    deadline: Option<Instant>,
+    stopped: Arc<AtomicBool>,
+}
+
+impl Line<'_> {
+    fn goes_on(&self) -> bool {
+        !self.stopped.load(Ordering::Relaxed) && self.deadline.is_none_or(|end| Instant::now() < end)
+    }
+
+    /// Takes the bytes of the source until its end, or the set one; returns why the source failed.
+    fn receive(&self, mut take: impl FnMut(&[u8]) -> Result<(), Error>) -> Result<Option<Error>, Error> {
+        let chunks = source::open(&self.args.source, self.args.baud);
+        let mut failure = None;
+        while self.goes_on() {
+            match chunks.recv_timeout(PATIENCE) {
+                Ok(Ok(bytes)) => take(&bytes)?,
+                Ok(Err(error)) => failure = Some(Error::io(&self.args.source)(error)),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+        }
+        Ok(failure)
+    }
+}
+
+/// Takes what came over a line, writes its samples to this folder, and shows it by `output`; for attacks. The same bytes
+/// are the log of a CAN bus, too.
 pub(super) fn taken(bytes: &[u8], folder: &Path, output: Output) -> Result<(), Error> {
+    let id = CanId { number: 0x123, extended: false };
+    let mut listener = Listener::new(id, Names::default(), output);
+    listener.take(bytes)?;
+    if listener.has_segments() {
+        listener.end("log")?;
+    }
     let mut decoder = Box::new(Decoder::<LONGEST>::new());
     let mut receiver = Receiver::new(output, Some(Traces::new(folder)?), vec![]);
     receiver.show(View::unserved(), "")?;

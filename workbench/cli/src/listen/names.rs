@@ -1,10 +1,12 @@
 //! What a hello says of the other frames of its stream.
 
 use bearing_watch::model::Feature;
+use bearing_watch::plan::Plan as _;
 use bearing_watch::telemetry::{Hello, Source};
 
 use model::core::features::Catalogue;
 use model::identify::Structure;
+use model::session::ModelFile;
 
 /// Names and constants of a stream; empty before its hello.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,6 +43,13 @@ impl Names {
         let classes = hello.classes().map(String::from).collect();
         let (source, with_angle, healthy) = (hello.source, hello.with_angle, hello.healthy);
         Self { stream: Some(stream), source, interval_s, channels, with_angle, classes, healthy, features, orders }
+    }
+
+    /// Those of a drive with this model, of which no hello comes.
+    pub(super) fn of_model(ModelFile { model, notes }: &ModelFile) -> Self {
+        let features =
+            (0..model.model().plan().layout().features).map(|place| model.feature_name(&notes.orders, place));
+        Self { classes: model.classes.clone(), features: features.collect(), ..Self::default() }
     }
 
     /// Name of a class.

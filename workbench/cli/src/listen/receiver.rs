@@ -90,7 +90,11 @@ impl Receiver {
         if summary.alarm != self.alarm {
             self.alarm = summary.alarm;
             if let Some(alarm) = summary.alarm {
-                (self.output.alarm)(&format!("ALARM at segment {}: {}", alarm.segment, words::cause(names, alarm)))?;
+                (self.output.alarm)(&format!(
+                    "ALARM at segment {}: {}",
+                    alarm.segment,
+                    words::cause(names, alarm.cause)
+                ))?;
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Frames as lines of text and as JSON.
 
 use bearing_watch::telemetry::{LinkCounts, Summary};
-use bearing_watch::{Alarm, Cause, Verdict};
+use bearing_watch::{Cause, Verdict};
 use serde_json::{Map, Value, json};
 
 use super::names::Names;
@@ -45,7 +45,7 @@ pub(super) fn hello_value(names: &Names) -> Value {
     })
 }
 
-fn verdict(names: &Names, verdict: Verdict) -> String {
+pub(super) fn verdict(names: &Names, verdict: Verdict) -> String {
     match verdict {
         Verdict::Class(class) => names.class(class),
         Verdict::Novel => "novel".into(),
@@ -54,8 +54,8 @@ fn verdict(names: &Names, verdict: Verdict) -> String {
     }
 }
 
-pub(super) fn cause(names: &Names, alarm: Alarm) -> String {
-    match alarm.cause {
+pub(super) fn cause(names: &Names, cause: Cause) -> String {
+    match cause {
         Cause::Class(class) => names.class(class),
         Cause::Unknown => "unknown".into(),
         Cause::Coordinate(place) => names.feature(place),
@@ -100,7 +100,7 @@ pub(super) fn report_value(names: &Names, summary: &Summary<'_>) -> Value {
         "distance": summary.distance,
         "surprise": summary.surprise,
         "score": summary.score,
-        "alarm": summary.alarm.map(|alarm| json!({ "segment": alarm.segment, "cause": cause(names, alarm) })),
+        "alarm": summary.alarm.map(|alarm| json!({ "segment": alarm.segment, "cause": cause(names, alarm.cause) })),
         "features": named(features),
         "order_scores": summary.order_scores.iter().collect::<Vec<f32>>(),
         "undetermined_segments": summary.undetermined,

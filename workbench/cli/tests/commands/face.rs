@@ -10,7 +10,7 @@ use crate::common::{refuse, run, succeed};
 use crate::form::{fit, schema};
 
 /// The commands, with those below another one.
-const COMMANDS: [&str; 33] = [
+const COMMANDS: [&str; 34] = [
     "demo",
     "init",
     "audit",
@@ -37,6 +37,7 @@ const COMMANDS: [&str; 33] = [
     "confirm",
     "view",
     "listen",
+    "dbc",
     "convert",
     "resample",
     "campaign",

@@ -4,6 +4,7 @@ mod alarm_commands;
 mod audit_command;
 mod book;
 mod browser;
+mod can_command;
 mod cogging_command;
 mod command_line;
 mod common;

@@ -1,0 +1,93 @@
+//! The frame for CAN through the C functions: the bits of the Rust core, the alarm and a withdrawn report in it, and
+//! what is refused.
+#![allow(
+    clippy::expect_used,
+    clippy::float_cmp,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test fails by a panic"
+)]
+
+#[path = "../../examples/support/standard_rig/mod.rs"]
+mod standard_rig;
+#[allow(dead_code, reason = "other tests use the rest")]
+mod support;
+
+#[path = "support/alarmed.rs"]
+mod alarmed;
+
+use core::ptr::null_mut;
+
+use bearing_watch::telemetry::SegmentFrame;
+use bearing_watch::{Cause, Detector, Monitor, Reason, Verdict};
+use bearing_watch_c::*;
+
+use standard_rig::model::{MODEL, Sample};
+use support::{FILE, Memory, SEGMENT, bytes, channels};
+
+const UNTOUCHED: [u8; BW_CAN_FRAME_SIZE] = [0xA5; BW_CAN_FRAME_SIZE];
+
+fn frame(state: *mut BwState) -> (BwCode, [u8; BW_CAN_FRAME_SIZE]) {
+    let mut bytes = UNTOUCHED;
+    // SAFETY: the state is NULL, initialised or refused, and the frame has so many bytes.
+    let code = unsafe { bw_can_frame(state, bytes.as_mut_ptr()) };
+    (code, bytes)
+}
+
+fn step(state: *mut BwState, sample: &Sample) -> BwCode {
+    let values = channels(&MODEL, sample);
+    // SAFETY: the state is initialised, and the values are there.
+    unsafe { bw_step(state, values.as_ptr(), values.len(), 0) }
+}
+
+#[test]
+fn frames_are_those_of_the_core() {
+    let model = alarmed::model();
+    let (mut memory, mut detector, mut monitor) = (Memory::new(), Detector::new(&model), Monitor::new(&model));
+    let state = memory.state(&bytes(&model)).expect("good model");
+    let mut frames = Vec::new();
+    for sample in standard_rig::samples() {
+        let code = step(state, &sample);
+        if monitor.step(&mut detector, &sample).is_some() {
+            assert_eq!(code, BwCode::Report);
+            let report = monitor.report().expect("a report");
+            let sent = SegmentFrame::of(&model, report, monitor.evidence());
+            assert_eq!(frame(state), (BwCode::Ok, sent.to_bytes()));
+            frames.push(sent);
+        }
+    }
+    assert_eq!([0, 1, 2].map(|k| frames[k].segment()), [1, 2, 3]);
+    assert_eq!(frames[1].verdict(), Verdict::Class(1));
+    assert_eq!([0, 2].map(|k| frames[k].alarm()), [None, Some(Cause::Unknown)]);
+    assert!(frames[1].distance() > frames[0].distance(), "{frames:?}");
+}
+
+#[test]
+fn a_report_that_is_withdrawn_is_sent_again_with_its_number() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    let first: Vec<_> = standard_rig::samples().take(SEGMENT).collect();
+    let codes: Vec<_> = first.iter().map(|sample| step(state, sample)).collect();
+    assert_eq!(codes.last(), Some(&BwCode::Report));
+    let before = SegmentFrame::from_bytes(frame(state).1).expect("a segment");
+    assert!(first[..SEGMENT / 4].iter().all(|sample| step(state, sample) == BwCode::Ok));
+    let mut in_doubt = 0;
+    // SAFETY: the state is initialised, and the place is writable.
+    assert_eq!(unsafe { bw_discard(state, &raw mut in_doubt) }, BwCode::Ok);
+    let after = SegmentFrame::from_bytes(frame(state).1).expect("a segment");
+    assert_eq!((in_doubt, before.verdict()), (1, Verdict::Class(0)));
+    assert_eq!((after.segment(), after.verdict()), (before.segment(), Verdict::Undetermined(Reason::FoundLate)));
+}
+
+#[test]
+fn what_is_wrong_is_refused_and_writes_nothing() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    assert_eq!(frame(state), (BwCode::NoReport, UNTOUCHED));
+    assert_eq!(frame(null_mut()), (BwCode::Null, UNTOUCHED));
+    assert_eq!(frame(state.wrapping_byte_add(8)), (BwCode::NotInitialised, UNTOUCHED));
+    assert_eq!(frame(state.wrapping_byte_add(1)), (BwCode::Misaligned, UNTOUCHED));
+    // SAFETY: NULL is refused.
+    assert_eq!(unsafe { bw_can_frame(state, null_mut()) }, BwCode::Null);
+}
