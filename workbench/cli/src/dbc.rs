@@ -36,7 +36,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &[args.model.clone()])?;
+    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), std::slice::from_ref(&args.model))?;
     let text = text(&ModelFile::read(&args.model)?, args.id);
     match &args.out {
         Some(file) => output::write(file, text),

@@ -35,6 +35,21 @@ pub(super) enum Event {
     Unread,
 }
 
+/// What a log had besides segments.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Counts {
+    /// Frames of the identifier whose data are no segment.
+    pub(super) bad: u64,
+    /// Data frames of other identifiers.
+    pub(super) others: u64,
+    /// Frames of the identifier on another bus than the first one.
+    pub(super) other_buses: u64,
+    pub(super) remote: u64,
+    pub(super) errors: u64,
+    /// Lines that are no event of a known format.
+    pub(super) unread: u64,
+}
+
 /// The numbers of an ASC file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Log {

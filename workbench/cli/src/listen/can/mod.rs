@@ -17,26 +17,11 @@ use super::names::Names;
 use super::receiver::Output;
 use crate::can_id::CanId;
 use course::{Came, Course, Segment};
-use log::{Event, Log};
+use log::{Counts, Event, Log};
 use model::Error;
 
 /// The longest line that is read; logs of CAN FD have up to some hundred letters.
 const LONGEST: usize = 4096;
-
-/// What a log had besides segments.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Counts {
-    /// Frames of the identifier whose data are no segment.
-    bad: u64,
-    /// Data frames of other identifiers.
-    others: u64,
-    /// Frames of the identifier on another bus than the first one.
-    other_buses: u64,
-    remote: u64,
-    errors: u64,
-    /// Lines that are no event of a known format.
-    unread: u64,
-}
 
 /// Takes the bytes of a log, and shows the segments of one identifier.
 pub(super) struct Listener {

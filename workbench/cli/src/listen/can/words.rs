@@ -6,8 +6,8 @@ use bearing_watch::telemetry::SegmentFrame;
 use bearing_watch::{Cause, Verdict};
 use serde_json::{Value, json};
 
-use super::Counts;
 use super::course::{CourseCounts, Segment};
+use super::log::Counts;
 use crate::can_id::CanId;
 use crate::listen::names::Names;
 use crate::listen::words;
