@@ -85,7 +85,7 @@ impl Log {
 
     fn asc(&mut self, words: &[&str]) -> Option<Event> {
         let (time, rest) = words.split_first()?;
-        let time: f64 = time.parse().ok()?;
+        let time = seconds(time)?;
         self.time_s = if self.is_relative { self.time_s + time } else { time };
         if rest.contains(&"ErrorFrame") {
             return Some(Event::Error);
@@ -126,6 +126,10 @@ impl Log {
     }
 }
 
+fn seconds(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|time: &f64| time.is_finite())
+}
+
 /// Digits alone, without a sign.
 fn number(text: &str, radix: u32) -> Option<u32> {
     let signed = text.starts_with('+');
@@ -149,7 +153,7 @@ fn is_heading(line: &str) -> bool {
 }
 
 fn candump(time: &str, bus: &str, frame: &str) -> Option<Event> {
-    let time_s: f64 = time.strip_prefix('(')?.strip_suffix(')')?.parse().ok()?;
+    let time_s = seconds(time.strip_prefix('(')?.strip_suffix(')')?)?;
     let (id, content) = frame.split_once('#')?;
     let number = number(id, 16)?;
     let extended = id.len() == EXTENDED_DIGITS;
@@ -196,7 +200,9 @@ mod tests {
         for wrong in ["123", "123#0", "123#0g", "#00", "123##", "123#+1", "FFF#00", "0123456789#00", "123#é0"] {
             assert_eq!(read(wrong), Event::Unread, "{wrong}");
         }
-        assert_eq!(Log::default().read("(never) can0 123#00"), Event::Unread);
+        for wrong in ["(never) can0 123#00", "(nan) can0 123#00", "(1.0) can0"] {
+            assert_eq!(Log::default().read(wrong), Event::Unread, "{wrong}");
+        }
     }
 
     #[test]
