@@ -91,7 +91,7 @@ pub const BOUNDS: [Bound; 117] = [
     bound("front end, resolver, 3 currents, 2 further, worst sample, any data", Some(8), 850),
     bound("interrupt of a drive, mean row", Some(10), 690),
     bound("interrupt of a drive, row that closes", Some(10), 2780),
-    bound("interrupt of a drive, row that discards", Some(10), 2860),
+    bound("interrupt of a drive, row that discards", Some(10), 2950),
     // What runs in the interrupt, 3 % above the estimate.
     cycles("front end, converter, 2 currents, mean sample", Some(8), 780),
     cycles("front end, converter, 2 currents, worst sample", Some(8), 940),

@@ -129,12 +129,14 @@ fn the_default_is_no_worse_than_the_recipe_of_the_document() {
     let titles = [("Gate of 150", "Default gate of 150"), ("Three classes of 150", "Default for three classes of 150")];
     let [gates, classes] = titles.map(|(recipe, default)| [rows_of(&document, recipe), rows_of(&document, default)]);
     assert_eq!((gates[0].len(), classes[0].len()), (31, 5));
-    let (mut lower, mut higher) = (0, 0);
+    let (mut lower, mut higher, mut beyond, mut rates) = (0, 0, Vec::new(), 0.0);
     for (recipe, default) in gates[0].iter().zip(&gates[1]) {
         assert_eq!(recipe[0], default[0]);
-        let [_, low, high] = interval(default[1]);
-        // A gate of 150 records keeps its rate to a factor of 1.5 in the mean of sets; two draws tell less.
-        assert!(low <= 1.5 && high >= 0.5, "{default:?}");
+        let [rate, low, high] = interval(default[1]);
+        rates += rate / gates[0].len() as f64;
+        if low > 1.5 || high < 0.5 {
+            beyond.push(default);
+        }
         for column in 2..=COLUMNS.len() {
             let [[found, low, _], [by_default, _, high]] = [recipe, default].map(|row| interval(row[column]));
             assert!(low <= high, "{column}: {recipe:?} {default:?}");
@@ -142,6 +144,9 @@ fn the_default_is_no_worse_than_the_recipe_of_the_document() {
             higher += usize::from(by_default > found);
         }
     }
+    // A gate of 150 records keeps its rate to a factor of 1.5 in the mean of sets. Of 31 intervals of 95 %, from two draws
+    // each, one may miss it by chance; all rows together may not.
+    assert!(beyond.len() <= 1 && (0.67..=1.5).contains(&rates), "{rates} {beyond:?}");
     // Were the tables the same, nothing would have been compared; were one the better, most would differ to one side.
     assert!(lower > 5 && higher > 5 && lower < 3 * higher, "{lower} {higher}");
     for (recipe, default) in classes[0].iter().zip(&classes[1]) {
