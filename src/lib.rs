@@ -52,8 +52,8 @@
 //! the same bits on a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
 //!
 //! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (the driver `ad2s1210`),
-//! `embedded-storage` (records in flash), `telemetry` (frames for a serial line or CAN), `signature` (signed models, sealed
-//! states), `nalgebra` (conversions of covariance and projection),
+//! `embedded-storage` (records in flash), `telemetry` (frames for a serial line or CAN), `signature` (signed models,
+//! sealed states), `nalgebra` (conversions of covariance and projection),
 //! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator,
 //! as the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).
 #![no_std]

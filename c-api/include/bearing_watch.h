@@ -661,7 +661,8 @@ typedef struct BwGrowth {
   struct BwInterval slope;
   // The named size, to which the time is left, standard deviations of a usual run.
   float named;
-  // Whether the size grows: the interval of the slope is above zero, and the size above four of its deviations.
+  // Whether the size grows: the interval of the slope is above zero, the size above four of its deviations, and its
+  // lower end above two deviations of a usual run.
   bool growing;
   // Usual runs until the named size, 0 if it is reached; NaN if the size does not grow.
   struct BwInterval runs_left;

@@ -46,7 +46,8 @@ pub struct BwGrowth {
     pub slope: BwInterval,
     /// The named size, to which the time is left, standard deviations of a usual run.
     pub named: f32,
-    /// Whether the size grows: the interval of the slope is above zero, and the size above four of its deviations.
+    /// Whether the size grows: the interval of the slope is above zero, the size above four of its deviations, and its
+    /// lower end above two deviations of a usual run.
     pub growing: bool,
     /// Usual runs until the named size, 0 if it is reached; NaN if the size does not grow.
     pub runs_left: BwInterval,
@@ -160,20 +161,20 @@ mod tests {
     #[test]
     fn a_question_while_the_main_loop_works_is_refused() {
         let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
-        let mut own = core::ptr::null_mut();
+        let mut handle = core::ptr::null_mut();
         let (mut growth, mut contribution) = (MaybeUninit::uninit(), MaybeUninit::uninit());
         // SAFETY: the memory is there as long as the state is used.
         unsafe {
-            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut handle);
             assert_eq!(code, BwCode::Ok);
             let mut growths = || {
                 let growth = growth.as_mut_ptr();
-                [bw_growth(own, 0, growth), bw_growth_to(own, 0, 9.0, growth)]
+                [bw_growth(handle, 0, growth), bw_growth_to(handle, 0, 9.0, growth)]
             };
-            let state = at(own).unwrap();
+            let state = at(handle).unwrap();
             assert_eq!(state.solving.with(|_| growths()), Ok([BwCode::Busy; 2]));
             assert_eq!(growths(), [BwCode::OutOfRange; 2], "this model has no directions");
-            assert_eq!(bw_contribution(own, 0, contribution.as_mut_ptr()), BwCode::OutOfRange);
+            assert_eq!(bw_contribution(handle, 0, contribution.as_mut_ptr()), BwCode::OutOfRange);
         }
     }
 }

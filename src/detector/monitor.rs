@@ -190,18 +190,23 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     /// Takes a closed segment, which [`Monitor::advance`] solves in steps; what is left of the one before is solved at
     /// once. The report before is withdrawn if this segment puts it in doubt, and stands otherwise.
     pub fn take(&mut self, segment: Segment<P>) {
-        self.settle(segment.sequence.doubts_that(self.sequence));
-        self.sequence = segment.sequence;
+        self.follow(segment.sequence);
         self.segment = Some(segment);
         self.start();
     }
 
     /// As [`Monitor::take`], and clears the place for the next [`Detector::exchange`].
     pub fn take_from(&mut self, place: &mut Segment<P>) {
-        self.settle(place.sequence.doubts_that(self.sequence));
-        self.sequence = place.sequence;
+        self.follow(place.sequence);
         self.fetch(place);
         self.start();
+    }
+
+    /// Settles the segment before, which this one may put in doubt.
+    #[inline(always)]
+    fn follow(&mut self, sequence: Sequence) {
+        self.settle(sequence.doubts_that(self.sequence));
+        self.sequence = sequence;
     }
 
     // Out of line, so that what it moves takes no stack during the solve.

@@ -1,8 +1,7 @@
 //! What the interrupt fills and hands to the main loop.
 
 use super::sequence::Sequence;
-use crate::model::Model;
-use crate::model::ShaftConstants;
+use crate::model::{Model, ShaftConstants};
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::{Kernel, Reason};
 use crate::regression::estimate::RegressionSums;

@@ -20,9 +20,9 @@
 //! slots, so a flash with sectors of 16 kB needs 32 kB for a pair. `PAGE` bytes of stack are needed once to read and
 //! twice to write: at least 44, rounded up to the size of a write.
 //!
-//! **Stalls.** A chip that runs from the bank that it erases stands still meanwhile: by its data sheet an
-//! STM32F405 for 0.25 to 0.8 s a sector of 16 kB, and for 1 to 4 s one of 128 kB. Call [`SlotPair::prepare`] at boot or
-//! at rest, and a store at power-down only writes.
+//! **Stalls.** A chip that runs from the bank that it erases stands still meanwhile. By its data sheet an STM32F405
+//! takes 0.25 to 0.8 s for a sector of 16 kB, and 1 to 4 s for one of 128 kB. Call [`SlotPair::prepare`] at boot or at
+//! rest, and a store at power-down only writes.
 //!
 //! **Error correction.** On a flash that checks words, such as those of an STM32G4, L4 or H7, reading a word whose
 //! programming was cut off raises a fault: a non-maskable interrupt on G4 and L4 (`FLASH_ECCR`, bit ECCD), a bus fault

@@ -127,8 +127,9 @@ impl<const PAGE: usize> SlotPair<PAGE> {
         Err(reason)
     }
 
-    /// Stores a record in place of the older one; it erases that first, unless [`SlotPair::prepare`] has. Whatever happens on the way, the newest record is still there or this
-    /// one is complete. Nothing is erased if neither slot can be read: then [`SlotPair::erase`] starts afresh.
+    /// Stores a record in place of the older one; it erases that first, unless [`SlotPair::prepare`] has. Whatever
+    /// happens on the way, the newest record is still there or this one is complete. Nothing is erased if neither slot
+    /// can be read: then [`SlotPair::erase`] starts afresh.
     ///
     /// # Errors
     /// [`StorageError::TooLong`], [`StorageError::Flash`], [`StorageError::NotWritten`].

@@ -47,8 +47,8 @@
 //! 127 on as the cause of an alarm.
 //!
 //! A report may be withdrawn until the next segment ([`Monitor::withdraw`](crate::Monitor::withdraw)). Its frame is
-//! then sent again, with the same number and the reason [`Reason::FoundLate`]. If it is not, *Undetermined* rises by one
-//! more than the verdicts say.
+//! then sent again, with the same number and the reason [`Reason::FoundLate`]. If it is not, *Undetermined* rises by
+//! one more than the verdicts say.
 //!
 //! Cost: some shifts and divisions once a segment, and no state.
 

@@ -235,7 +235,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             opaque(segment);
         }
     }
-    exchange(model, || sample(numbers.array()));
+    monitor_calls::exchange(model, || sample(numbers.array()));
     opaque((Detector::pending(&detector), Detector::counts(&detector), Detector::preview(&detector)));
     told(model, &opaque(Detector::finish(&mut detector)));
     Detector::discard(opaque(&mut detector));
@@ -246,28 +246,6 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     opaque(Evidence::deny(&mut evidence));
     Evidence::reset(opaque(&mut evidence));
     monitor_calls::run(model, &mut detector, || sample(numbers.array()));
-}
-
-/// Places that are exchanged.
-fn exchange<P: Plan>(model: &Model<P>, mut sample: impl FnMut() -> P::Sample) {
-    let [mut first, mut second, mut third] = opaque([(); 3].map(|()| Segment::new(opaque(model))));
-    let mut spare = Some(&mut second);
-    let mut detector = Detector::in_place(opaque(Detector::new(model)), &mut third);
-    opaque(Detector::pending(&detector));
-    detector = Detector::with_place(model, &mut first);
-    let mut monitor = opaque(Monitor::new(model));
-    for _ in 0..opaque(50) {
-        match Detector::exchange(&mut detector, &opaque(sample()), &mut spare) {
-            Exchange::Open | Exchange::Lost => {}
-            Exchange::Closed(place) => {
-                opaque(Monitor::conclude_from(&mut monitor, opaque(place)).alarm);
-                Monitor::take_from(&mut monitor, opaque(place));
-                spare = opaque(Some(place));
-            }
-        }
-    }
-    opaque(Monitor::step(&mut monitor, &mut detector, &sample()).is_some());
-    opaque(Monitor::finish(&mut monitor, &mut detector).alarm);
 }
 
 /// A baseline over one report.

@@ -79,7 +79,8 @@ fn main() -> ! {
     start_interrupt();
     loop {
         if let Some(place) = masked(|data| data.closed.take()).flatten() {
-            let now = monitor.conclude_from(place); // now.silence: whether verdicts have been missing for too long, and why
+            // now.silence says whether verdicts have been missing for too long, and why.
+            let now = monitor.conclude_from(place);
             masked(|data| data.sampler.spare = Some(place));
             masked(|data| data.sampler.detector.adopt(now.report)); // for instrumental variables and --huber
             let alarm = if now.alarm.is_some() { ", ALARM" } else { "" };

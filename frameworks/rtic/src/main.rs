@@ -6,7 +6,8 @@
 //! idle                                        the other work of the drive
 //! ```
 //!
-//! `control` interrupts `solve` at any time; only `adopt` and the return of the place lock it out. `cargo xtask frameworks` runs it in the emulator.
+//! `control` interrupts `solve` at any time; only `adopt` and the return of the place lock it out. `cargo xtask
+//! frameworks` runs it in the emulator.
 
 #![no_std]
 #![no_main]

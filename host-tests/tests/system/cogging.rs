@@ -162,8 +162,8 @@ fn healthy_drives_are_called_unchanged() {
 /// The lines of a shaft in the core's tests, with their phases.
 const LINES: [(u16, f64, f64); 4] = [(1, 0.12, 0.4), (2, 0.06, -2.0), (6, 0.06, 1.0), (12, 0.12, 3.0)];
 
-/// Angles, residuals and velocities of a shaft that turns back and forth. Each sample keeps half of the noise of the one
-/// before.
+/// Angles, residuals and velocities of a shaft that turns back and forth. Each sample keeps half of the noise of the
+/// one before.
 fn stream(seed: u64, unbalance: f64, slip_rad: f64) -> Vec<[f64; 3]> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut angle, mut noise) = (0.7, 0.0);

@@ -144,8 +144,8 @@ fn the_default_is_no_worse_than_the_recipe_of_the_document() {
             higher += usize::from(by_default > found);
         }
     }
-    // A gate of 150 records keeps its rate to a factor of 1.5 in the mean of sets. Of 31 intervals of 95 %, from two draws
-    // each, one may miss it by chance; all rows together may not.
+    // A gate of 150 records keeps its rate to a factor of 1.5 in the mean of sets. Of 31 intervals of 95 %, from two
+    // draws each, one may miss it by chance; all rows together may not.
     assert!(beyond.len() <= 1 && (0.67..=1.5).contains(&rates), "{rates} {beyond:?}");
     // Were the tables the same, nothing would have been compared; were one the better, most would differ to one side.
     assert!(lower > 5 && higher > 5 && lower < 3 * higher, "{lower} {higher}");

@@ -5,7 +5,7 @@ use core::hint::black_box as opaque;
 use bearing_watch::alarm::{Growth, Interval, SilenceLimits};
 use bearing_watch::model::{BaselineConstants, Directions};
 use bearing_watch::plan::Plan;
-use bearing_watch::{Detector, Evidence, Model, Monitor};
+use bearing_watch::{Detector, Evidence, Exchange, Model, Monitor, Segment};
 
 /// Every public function of a monitor.
 pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample: impl FnMut() -> P::Sample) {
@@ -54,4 +54,26 @@ fn of_directions<P: Plan>(model: &Model<P>, evidence: &Evidence<P>) {
         opaque(Interval::times(growth.size, opaque(2.0)));
     }
     opaque(Directions::none(opaque(model.plan())).most_runs);
+}
+
+/// Places that are exchanged.
+pub fn exchange<P: Plan>(model: &Model<P>, mut sample: impl FnMut() -> P::Sample) {
+    let [mut first, mut second, mut third] = opaque([(); 3].map(|()| Segment::new(opaque(model))));
+    let mut spare = Some(&mut second);
+    let mut detector = Detector::in_place(opaque(Detector::new(model)), &mut third);
+    opaque(Detector::pending(&detector));
+    detector = Detector::with_place(model, &mut first);
+    let mut monitor = opaque(Monitor::new(model));
+    for _ in 0..opaque(50) {
+        match Detector::exchange(&mut detector, &opaque(sample()), &mut spare) {
+            Exchange::Open | Exchange::Lost => {}
+            Exchange::Closed(place) => {
+                opaque(Monitor::conclude_from(&mut monitor, opaque(place)).alarm);
+                Monitor::take_from(&mut monitor, opaque(place));
+                spare = opaque(Some(place));
+            }
+        }
+    }
+    opaque(Monitor::step(&mut monitor, &mut detector, &sample()).is_some());
+    opaque(Monitor::finish(&mut monitor, &mut detector).alarm);
 }

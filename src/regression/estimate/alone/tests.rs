@@ -314,12 +314,8 @@ fn a_late_estimate_is_refused_and_three_missing_ones_bring_the_nominal_model_bac
 #[test]
 fn sums_go_on_in_another_place_as_in_their_own() {
     for memory in [Memory::Segment, Memory::LongSegment, Memory::Fading] {
-        let plan = RunTime::of(testing::regression(
-            plan().layout().regression.unwrap().structure,
-            Method::LeastSquares,
-            memory,
-        ))
-        .unwrap();
+        let structure = Structure::new(2, 1, 1, 1, 1).with_offset();
+        let plan = RunTime::of(testing::regression(structure, Method::LeastSquares, memory)).unwrap();
         let constants = Regression { scale: constants().scale, ..Regression::new(plan) };
         let channels = channels();
         let mut stream = Alone::new(plan, &channels, &constants);

@@ -40,8 +40,8 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// `train`, with the columns phase_a_counts, phase_b_counts and, of a third sensor, phase_c_counts; angle_counts (32
 /// bits a turn), or sin and cos; and those of --further. The end of the source, --seconds or Ctrl-C ends it.
 ///
-/// With --can-id the source is the log of a CAN bus, as `candump -L` prints it or as an ASC file, and the frames of this
-/// identifier are segments (SegmentFrame, bw_can_frame): they are shown with their alarm, and lost, repeated and
+/// With --can-id the source is the log of a CAN bus, as `candump -L` prints it or as an ASC file, and the frames of
+/// this identifier are segments (SegmentFrame, bw_can_frame): they are shown with their alarm, and lost, repeated and
 /// withdrawn ones are counted. A drive that counts from 1 again has started again.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces\n  \
@@ -63,7 +63,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "PORT")]
     view: Option<u16>,
     /// Identifier of the frames of segments in the log of a CAN bus; more than three digits are an extended one
-    #[arg(long, value_name = "ID", value_parser = CanId::parse, conflicts_with_all = ["baud", "out", "further", "view"])]
+    #[arg(long, value_name = "ID", value_parser = CanId::parse)]
+    #[arg(conflicts_with_all = ["baud", "out", "further", "view"])]
     can_id: Option<CanId>,
     /// The model of the drive, which has the names of its classes: frames on a CAN bus have numbers only
     #[arg(long, value_name = "FILE", requires = "can_id")]
@@ -157,8 +158,8 @@ impl Line<'_> {
     }
 }
 
-/// Takes what came over a line, writes its samples to this folder, and shows it by `output`; for attacks. The same bytes
-/// are the log of a CAN bus, too.
+/// Takes what came over a line, writes its samples to this folder, and shows it by `output`; for attacks. The same
+/// bytes are the log of a CAN bus, too.
 pub(super) fn taken(bytes: &[u8], folder: &Path, output: Output) -> Result<(), Error> {
     let id = CanId { number: 0x123, extended: false };
     let mut listener = Listener::new(id, Names::default(), output);

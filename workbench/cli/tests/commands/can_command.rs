@@ -129,9 +129,9 @@ fn of_a_recorded_hour_every_report_is_right_or_counted() {
     let schema = schema("listen");
     for (name, log) in [("bus.log", candump(&events)), ("bus.asc", asc(&events))] {
         std::fs::write(dir.join(name), log).expect("writable");
-        let found = listened(dir, name);
-        found.iter().for_each(|line| fit(&schema, line));
-        let (end, segments) = found.split_last().expect("an end");
+        let lines = listened(dir, name);
+        lines.iter().for_each(|line| fit(&schema, line));
+        let (end, segments) = lines.split_last().expect("an end");
         let numbers: Vec<u64> = segments.iter().filter_map(|line| line["segment"].as_u64()).collect();
         let sent = (1..=SEGMENTS).filter(|number| !number.is_multiple_of(37)).map(u64::from);
         let mut expected: Vec<u64> = sent.collect();
@@ -180,7 +180,7 @@ fn lines_tell_verdict_reason_alarm_and_the_end() {
     assert_eq!(text.matches("ALARM at").count(), 1);
     // Without a model classes have numbers.
     assert!(succeed(dir, "listen bus.log --can-id 0x123").contains("ALARM at segment 520: class 2\n"));
-    // The rows of a reason are not in the frame: none are told.
+    // The frame does not contain the number of rows that a reason has, so the text does not print one.
     std::fs::write(dir.join("few.log"), "(1.0) can0 123#0100210300008000\n(2.0) can0 123#0200420000008000")
         .expect("writable");
     let text = succeed(dir, "listen few.log --can-id 0x123");

@@ -39,11 +39,11 @@ pub(super) fn alarm(names: &Names, cause: Cause, deviations: f32) -> String {
 pub(super) fn segment_line(names: &Names, segment: &Segment) -> String {
     let Segment { time_s, number, frame, again } = *segment;
     let again = if again { " again" } else { "" };
-    let found = match reason(frame) {
+    let outcome = match reason(frame) {
         Some(reason) => format!("undetermined: {reason}"),
         None => format!("{}, distance {:.2}", verdict(names, frame), frame.distance()),
     };
-    format!("{time_s:.3} s  segment {number}{again}  {found}, {} % usable", frame.usable_percent())
+    format!("{time_s:.3} s  segment {number}{again}  {outcome}, {} % usable", frame.usable_percent())
 }
 
 pub(super) fn segment_value(names: &Names, segment: &Segment) -> Value {
