@@ -8,7 +8,7 @@ use bearing_watch::telemetry::{Encoder, RawEncoder, Source, TooSmall};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{Object, Tag, at, check, elements_mut, put, put_object, room};
-use crate::plan::{BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_FEATURES, BW_MAX_ORDERS, Own};
+use crate::plan::{BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_DIRECTIONS, BW_MAX_FEATURES, BW_MAX_ORDERS, Own};
 use crate::recorder::{BW_BLOCK_BYTES, BwRawRecorder, BwRecorder};
 use crate::state::{BwState, Lock};
 
@@ -25,7 +25,8 @@ const _: () = {
     const LABEL: usize = size_of::<Label>() + 1;
     // Header and fields, and the lists after them.
     let hello = 10 + 25 + 2 * BW_MAX_FEATURES + 4 * BW_MAX_ORDERS + CHANNEL * BW_MAX_CHANNELS + LABEL * BW_MAX_CLASSES;
-    let report = 10 + 66 + 4 * (BW_MAX_CLASSES + BW_MAX_FEATURES + BW_MAX_ORDERS);
+    let lists = 4 * (BW_MAX_CLASSES + BW_MAX_FEATURES + BW_MAX_ORDERS) + 13 * BW_MAX_DIRECTIONS;
+    let report = 10 + 66 + 15 + lists;
     let raw = 10 + 10 + BW_BLOCK_BYTES;
     assert!(fits(hello) && fits(report) && fits(raw));
 };

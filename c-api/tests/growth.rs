@@ -23,6 +23,7 @@ use bearing_watch::model::{
     Forgetting, KNOTS, Label, Novelty, Projection, Regression, Sampling,
 };
 use bearing_watch::plan::{Layout, Memory as Rows, Method, RegressionLayout, Structure};
+use bearing_watch::telemetry::{Encoder, Source};
 use bearing_watch::{Detector, Model, Monitor};
 use bearing_watch_c::*;
 
@@ -208,6 +209,30 @@ fn a_history_that_grows_has_the_bits_of_rust() {
     let raised = alarm(state);
     assert!(raised.raised && raised.risen && raised.coordinate == DIRECTIONS[0].coordinate, "{raised:?}");
     assert!(last[0].size.low > 5.0 && last[1].size.low < 1.0, "{last:?}");
+}
+
+/// Frames of reports have them, too, byte for byte.
+#[test]
+fn frames_with_contributions_are_those_of_rust() {
+    let (model, mut memory, mut place) = (model(36.0), Memory::new(), [0_u64; BW_TELEMETRY_SIZE / 8]);
+    let state = memory.state(&bytes(&model)).expect("a model that fits");
+    let (mut line, source) = (null_mut(), Source { model_id: 7, session: 9 });
+    // SAFETY: the memory is there as long as the line.
+    let code = unsafe { bw_telemetry_init(place.as_mut_ptr().cast(), BW_TELEMETRY_SIZE, state, 7, 9, &raw mut line) };
+    assert_eq!(code, BwCode::Ok);
+    let (mut monitor, mut numbers) = (Monitor::new(&model), Numbers(7));
+    let mut encoder = Encoder::new(&model, source);
+    for number in 0..40_u8 {
+        run(state, &model, &mut monitor, (&mut numbers, 0.1 * f32::from(number.saturating_sub(20))));
+        let (mut from_c, mut length, mut buffer) = ([0; BW_FRAME_SIZE], 0, [0; BW_FRAME_SIZE]);
+        // SAFETY: the line is initialised, and the buffer is writable.
+        let code = unsafe { bw_telemetry_report(line, from_c.as_mut_ptr(), BW_FRAME_SIZE, &raw mut length) };
+        assert_eq!(code, BwCode::Ok);
+        let report = monitor.report().expect("a report");
+        let expected = encoder.report(report, monitor.evidence(), &mut buffer).expect("fits");
+        assert_eq!(&from_c[..length], expected, "run {number}");
+    }
+    assert!(monitor.evidence().main_contribution().is_some(), "an alarm by a direction");
 }
 
 #[test]

@@ -38,7 +38,7 @@
 //!
 //! ```text
 //! frame     COBS(content, CRC-32 of the content), 0x00
-//! content   version u8 = 1, kind u8, stream u32, sequence u32, fields and lists of the kind
+//! content   version u8 = 2, kind u8, stream u32, sequence u32, fields and lists of the kind
 //!
 //! kind 0    hello    model_id u32, session u32, interval_s f32, block_mean u16, segment_samples u32,
 //!                    channels u8, angle u8 (0 or 1), classes u8, healthy u8 u8, features u8, orders u8;
@@ -49,7 +49,9 @@
 //!                    alarm u8, cause u8, segment u32 (of the alarm), undetermined u32, rows u32,
 //!                    rejected u32, saturated u32, downweighted u32, resting u32, stuck u16, refused u8,
 //!                    classes u8, features u8, orders u8;
-//!                    posterior f32 of each class, value f32 of each feature, score f32 of each order
+//!                    posterior f32 of each class, value f32 of each feature, score f32 of each order;
+//!                    0, or of the alarm by a direction 1 and [direction u8, deviations f32, score f32, since u32];
+//!                    directions u8, of each [coordinate u8, deviations f32, score f32, since u32]
 //! kind 2    samples  first u32, channels u8, angle u8;
 //!                    of each sample f32 of each channel, then the angle's u32 if there is one
 //! kind 3    raw      first u32, control_rate_hz f32, resolver u8 (0 or 1), further u8;
@@ -60,7 +62,11 @@
 //! Little-endian. The fields are those of postcard 1 with integers of fixed width, so that no length is stored twice.
 //! `healthy` is 1 and the place of the class, or a single 0 without one. Texts are UTF-8 and end in a zero byte. A
 //! missing feature is NaN. Kinds of features are those of [`Feature`](crate::model::Feature) in its order in the binary
-//! model; verdicts and reasons have the codes of `codes.rs`. Any change of this list raises the version.
+//! model; verdicts and reasons have the codes of `codes.rs`. Deviations, score and since are those of a
+//! [`Contribution`](crate::alarm::Contribution).
+//!
+//! Any change of this list raises the version; a decoder reads all versions up to its own, and counts frames of later
+//! ones as unknown. Version 1 lacks what is behind the scores of the orders.
 //!
 //! COBS (Cheshire and Baker 1999) removes every zero byte, so that a zero byte ends a frame and a receiver finds the
 //! next frame after any error. The CRC (ISO-HDLC, that of zip) detects each error of up to three bits in a frame of up
@@ -84,6 +90,7 @@ mod filling;
 mod hello;
 mod raw;
 mod recorder;
+mod risen;
 mod samples;
 mod sink;
 mod summary;
@@ -95,6 +102,7 @@ pub use encoder::{Encoder, RawEncoder};
 pub use hello::{Hello, Source};
 pub use raw::{RawBlock, RawRecorder};
 pub use recorder::Recorder;
+pub use risen::Contributions;
 pub use samples::{Block, Numbers};
 pub use sink::TooSmall;
 pub use summary::Summary;
@@ -102,7 +110,10 @@ pub use summary::Summary;
 use serde::{Deserialize, Serialize};
 
 /// Version of the format.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
+
+/// The version of which a report has no contributions.
+const WITHOUT_CONTRIBUTIONS: u8 = 1;
 
 /// What each content starts with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

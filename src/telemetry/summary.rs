@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::codes::{AlarmCode, VerdictCode};
+use super::risen::{self, Contributions};
 use super::samples::Numbers;
 use super::sink::{Sink, TooSmall};
-use super::split;
+use super::{WITHOUT_CONTRIBUTIONS, split};
+use crate::alarm::Contribution;
 use crate::alarm::evidence::{Alarm, Evidence};
 use crate::model::Model;
 use crate::plan::{Cells, Plan};
@@ -72,6 +74,11 @@ pub struct Summary<'a> {
     pub features: Numbers<'a>,
     /// Score of each bearing order; none in a plan without a shaft.
     pub order_scores: Numbers<'a>,
+    /// What raised the alarm: the direction, by how many deviations, and since when; `None` without an alarm by a
+    /// direction, and in frames of version 1.
+    pub risen: Option<Contribution>,
+    /// What each direction contributes; none in a model without directions, and in frames of version 1.
+    pub contributions: Contributions<'a>,
 }
 
 /// Fields and lists.
@@ -112,21 +119,23 @@ pub(super) fn write<P: Plan>(
         sink.number(value.map_or(f32::NAN, |value| value.value))?;
     }
     let orders = report.shaft().map_or(&[][..], |shaft| shaft.orders());
-    orders.iter().try_for_each(|order| sink.number(order.score))
+    orders.iter().try_for_each(|order| sink.number(order.score))?;
+    risen::write(model.constants().classifier.novelty.directions.list.cells(), evidence, sink)
 }
 
 impl<'a> Summary<'a> {
-    /// From fields and lists; `None` if they do not fit.
-    pub(super) fn read(bytes: &'a [u8]) -> Option<Self> {
+    /// From fields and lists of this version; `None` if they do not fit.
+    pub(super) fn read(bytes: &'a [u8], version: u8) -> Option<Self> {
         let (fields, bytes): (Fields, _) = split(bytes)?;
         let Fields { rejected, saturated, downweighted, resting, stuck, refused, .. } = fields;
         let list = |bytes: &'a [u8], count: u8| bytes.split_at_checked(4 * usize::from(count));
         let (posteriors, bytes) = list(bytes, fields.classes)?;
         let (features, bytes) = list(bytes, fields.features)?;
-        let (order_scores, rest) = list(bytes, fields.orders)?;
-        if !rest.is_empty() {
-            return None;
-        }
+        let (order_scores, bytes) = list(bytes, fields.orders)?;
+        let (risen, contributions) = match version {
+            WITHOUT_CONTRIBUTIONS => bytes.is_empty().then(Default::default)?,
+            _ => risen::read(bytes)?,
+        };
         Some(Self {
             segment: fields.segment,
             verdict: fields.verdict.verdict()?,
@@ -141,6 +150,8 @@ impl<'a> Summary<'a> {
             posteriors: Numbers(posteriors),
             features: Numbers(features),
             order_scores: Numbers(order_scores),
+            risen,
+            contributions,
         })
     }
 }

@@ -53,7 +53,7 @@ fn counts_tell_what_is_wrong() {
     let mut feed = |bytes: &[u8]| bytes.iter().filter(|byte| decoder.push(**byte).is_some()).count();
     assert_eq!(feed(&frame(header(0), &block(2))), 1);
     assert_eq!(feed(&frame(header(1), &block(30))), 0, "too long");
-    assert_eq!(feed(&frame(Header { version: 2, ..header(2) }, &block(2))), 0);
+    assert_eq!(feed(&frame(Header { version: VERSION + 1, ..header(2) }, &block(2))), 0);
     assert_eq!(feed(&frame(Header { kind: 9, ..header(2) }, &block(2))), 0);
     assert_eq!(feed(&frame(header(3), &block(2)[..13])), 0, "half a sample");
     assert_eq!(feed(&frame(header(3), &[3, 0, 0, 0, 1, 7])), 0, "7 is neither false nor true");
@@ -182,6 +182,12 @@ fn a_report_that_goes_on_behind_its_lists_is_none() {
     let mut plain = [0; 300];
     let length = cobs::decode(&content[..end], &mut plain).unwrap();
     let fields = &plain[..length - 4];
-    assert!(Summary::read(fields).is_some());
-    assert!(Summary::read(&plain[..length - 3]).is_none() && Summary::read(&fields[..fields.len() - 1]).is_none());
+    let (first, second) = (WITHOUT_CONTRIBUTIONS, VERSION);
+    let read = |bytes| Summary::read(bytes, second).is_some();
+    assert!(read(fields) && !read(&plain[..length - 3]) && !read(&fields[..fields.len() - 1]));
+    // A report of version 1 lacks two numbers of a model without directions.
+    let before = &fields[..fields.len() - 2];
+    assert_eq!(Summary::read(before, first), Summary::read(fields, second));
+    assert_eq!([before, fields].map(|bytes| Summary::read(bytes, first).is_some()), [true, false]);
+    assert!(!read(before));
 }

@@ -61,8 +61,8 @@ pub fn attack(bytes: &[u8]) {
 /// One frame of any content under a right checksum, among those of a drive: no other frame is lost.
 fn alone(input: &mut Input<'_>) {
     let place = input.below(SENT.len());
-    let kind = input.byte() % 4;
-    let mut content = vec![1, kind];
+    let number = input.byte();
+    let mut content = vec![1 + number / 128, number % 4];
     content.extend(input.bytes(240));
     content.extend([0; 4]);
     checksum::put(&mut content);
@@ -112,7 +112,7 @@ fn contents(input: &mut Input<'_>) -> Vec<u8> {
         let length = usize::from(input.byte());
         // Version and kind, as a rule good ones.
         let mut content = match input.byte() {
-            kind @ 0..=199 => vec![1, kind % 5],
+            kind @ 0..=199 => vec![1 + kind / 100, kind % 5],
             _ => vec![],
         };
         content.extend(input.bytes(length));
@@ -186,6 +186,11 @@ fn look(frame: &Frame<'_>) {
                 assert_eq!(numbers.iter().count(), numbers.len());
                 assert_eq!((numbers.get(numbers.len()), numbers.is_empty()), (None, numbers.is_empty()));
             }
+            let contributions = summary.contributions;
+            assert_eq!(
+                (contributions.iter().count(), contributions.is_empty()),
+                (contributions.len(), contributions.len() == 0)
+            );
         }
         Body::Samples(block) => {
             for k in 0..block.len() {

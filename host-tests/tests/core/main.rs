@@ -39,6 +39,7 @@ mod storage;
 mod streaming;
 mod streaming_consistency;
 mod telemetry;
+mod telemetry_risen;
 mod wiring;
 
 use standard_rig::model as exported;

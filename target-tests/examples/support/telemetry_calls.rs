@@ -5,8 +5,8 @@ use core::hint::black_box as opaque;
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::plan::Plan;
 use bearing_watch::telemetry::{
-    Block, Body, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock, RawEncoder, RawRecorder, Recorder,
-    SegmentFrame, Signal, Source, Summary,
+    Block, Body, Contributions, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock, RawEncoder, RawRecorder,
+    Recorder, SegmentFrame, Signal, Source, Summary,
 };
 use bearing_watch::{Angle, Evidence, Model, Report};
 
@@ -127,4 +127,7 @@ fn reported(summary: &Summary<'_>) {
     let numbers = &summary.posteriors;
     opaque((Numbers::len(numbers), Numbers::is_empty(numbers), Numbers::get(numbers, opaque(2))));
     opaque(Numbers::iter(numbers).sum::<f32>());
+    let contributions = &summary.contributions;
+    opaque((Contributions::len(contributions), Contributions::is_empty(contributions)));
+    opaque(Contributions::iter(contributions).map(|(_, one)| one.deviations).sum::<f32>());
 }

@@ -162,8 +162,10 @@ pub(super) const LISTEN: Form = Form {
         (
             "alarm",
             "object?",
-            "report, end: segment and cause of the alarm, once it is raised; segment: cause and deviations",
+            "report: segment, time and cause of the alarm, once it is raised, and of one by a direction deviations and \
+             first segment; end: segment and cause; segment: cause and deviations",
         ),
+        ("directions", "array", "report: feature, deviations, score and first segment of each direction of the alarm"),
         ("order_scores", "array", "report: score of each order of the bearing"),
         ("undetermined_segments", "integer", "report: segments without a verdict so far"),
         ("rows", "integer", "report: rows of the regression"),
@@ -178,7 +180,7 @@ pub(super) const LISTEN: Form = Form {
         ("frames", "integer", "end: frames that came"),
         ("bad", "integer", "end: damaged frames"),
         ("oversize", "integer", "end: frames that are too long"),
-        ("unknown", "integer", "end: frames of another format version"),
+        ("unknown", "integer", "end: frames of a later format version"),
         ("lost", "integer", "end: frames that are missing by their numbers"),
         ("repeated", "integer", "end: frames that came again"),
         ("files", "integer?", "end: files that were written"),

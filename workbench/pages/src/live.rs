@@ -36,6 +36,8 @@ pub struct Live {
     pub samples: (u64, Vec<Vec<f64>>),
     /// The alarm: number of its segment, and cause.
     pub alarm: Option<(f64, String)>,
+    /// What has risen, of an alarm by a direction ([`crate::conclusion::risen`]); else empty.
+    pub risen: String,
     /// The last line that was shown.
     pub line: String,
 }
@@ -50,7 +52,8 @@ pub fn page(live: &Live) -> String {
 #[must_use]
 pub fn news(live: &Live) -> String {
     let judged: Vec<Judged> = live.reports.iter().map(|one| one.judged).collect();
-    let heard = Heard { classes: &live.classes, healthy: live.healthy, alarm: live.alarm.as_ref(), judged: &judged };
+    let Live { classes, healthy, alarm, risen, .. } = live;
+    let heard = Heard { classes, healthy: *healthy, alarm: alarm.as_ref(), risen, judged: &judged };
     let conclusion = paragraph(&words(&heard));
     let line = if live.line.is_empty() { String::new() } else { format!("<p>{}</p>", escape(&live.line)) };
     format!("<div id=\"news\"><div class=\"conclusion\">{conclusion}</div>{line}</div>")

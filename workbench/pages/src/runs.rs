@@ -4,7 +4,8 @@ use bearing_watch::alarm::{Contribution, Growth};
 use model::core::Embedded;
 
 use crate::Color;
-use crate::conclusion::replay::{Conclusion, USUAL};
+use crate::conclusion::replay::Conclusion;
+use crate::conclusion::risen::USUAL;
 use crate::page::{counted, or_reason, paragraph};
 use crate::plot::{self, Series};
 use crate::table::table;

@@ -7,7 +7,7 @@ use bearing_watch::Verdict;
 use bearing_watch::telemetry::{Block, Summary};
 
 use super::names::Names;
-use super::words;
+use super::{alarm, words};
 use crate::serve::{Local, Reply};
 use model::Error;
 use pages::live::{Live, LiveReport, news, page};
@@ -81,7 +81,8 @@ impl View {
         live.reports.push(LiveReport { judged, posteriors });
         let more = live.reports.len().saturating_sub(REPORTS);
         live.reports.drain(..more);
-        live.alarm = summary.alarm.map(|alarm| (f64::from(alarm.segment), words::cause(names, alarm.cause)));
+        live.alarm = summary.alarm.map(|raised| (f64::from(raised.segment), alarm::name(names, raised.cause)));
+        live.risen = alarm::risen(names, summary).unwrap_or_default();
         live.line = words::report_line(names, summary);
     }
 

@@ -1,5 +1,6 @@
 //! `bearing-watch listen`
 
+mod alarm;
 mod can;
 mod live;
 mod names;
@@ -66,8 +67,9 @@ pub(super) struct Args {
     #[arg(long, value_name = "ID", value_parser = CanId::parse)]
     #[arg(conflicts_with_all = ["baud", "out", "further", "view"])]
     can_id: Option<CanId>,
-    /// The model of the drive, which has the names of its classes: frames on a CAN bus have numbers only
-    #[arg(long, value_name = "FILE", requires = "can_id")]
+    /// The model of the drive, which has the names of its bearing orders, and on a CAN bus, whose frames have numbers
+    /// only, those of classes and features
+    #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// End after this time
     #[arg(long)]
@@ -79,16 +81,16 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let line = Line { args, deadline: args.deadline()?, stopped: stop_flag()? };
+    let file = args.model.as_deref().map(ModelFile::read).transpose()?;
+    let names = file.as_ref().map(Names::of_model);
     match args.can_id {
-        Some(id) => segments(&line, id),
-        None => frames(&line),
+        Some(id) => segments(&line, id, names.unwrap_or_default()),
+        None => frames(&line, names),
     }
 }
 
 /// Segments from the log of a CAN bus.
-fn segments(line: &Line<'_>, id: CanId) -> Result<(), Error> {
-    let file = line.args.model.as_deref().map(ModelFile::read).transpose()?;
-    let names = file.as_ref().map_or_else(Names::default, Names::of_model);
+fn segments(line: &Line<'_>, id: CanId, names: Names) -> Result<(), Error> {
     let mut listener = Listener::new(id, names, Output::printed(line.args.json));
     if let Some(error) = line.receive(|bytes| listener.take(bytes))? {
         // What came before the failure is kept.
@@ -101,12 +103,12 @@ fn segments(line: &Line<'_>, id: CanId) -> Result<(), Error> {
 }
 
 /// Frames of a serial line.
-fn frames(line: &Line<'_>) -> Result<(), Error> {
+fn frames(line: &Line<'_>, names: Option<Names>) -> Result<(), Error> {
     let args = line.args;
     let traces = args.out.as_deref().map(Traces::new).transpose()?;
     let mut decoder = Box::new(Decoder::<LONGEST>::new());
     let view = args.view.map(|port| View::open(port, &line.stopped)).transpose()?;
-    let mut receiver = Receiver::new(Output::printed(args.json), traces, args.further.clone());
+    let mut receiver = Receiver::new(Output::printed(args.json), traces, args.further.clone()).with_model(names);
     if let Some((view, address)) = view {
         receiver.show(view, &address)?;
     }

@@ -21,6 +21,8 @@ pub(super) struct Names {
     pub(super) healthy: Option<u8>,
     pub(super) features: Vec<String>,
     pub(super) orders: Vec<f32>,
+    /// Length of a segment.
+    segment_s: Option<f64>,
 }
 
 impl Names {
@@ -41,15 +43,34 @@ impl Names {
         // The decimal number that single precision stands for: 0.002, not 0.0020000000949949026.
         let interval_s = hello.interval_s.to_string().parse().ok().filter(|step: &f64| *step > 0.0);
         let classes = hello.classes().map(String::from).collect();
+        let samples = f64::from(hello.segment_samples) * f64::from(hello.block_mean);
+        let segment_s = interval_s.map(|step| samples * step);
         let (source, with_angle, healthy) = (hello.source, hello.with_angle, hello.healthy);
-        Self { stream: Some(stream), source, interval_s, channels, with_angle, classes, healthy, features, orders }
+        let stream = Some(stream);
+        Self { stream, source, interval_s, channels, with_angle, classes, healthy, features, orders, segment_s }
     }
 
     /// Those of a drive with this model, of which no hello comes.
     pub(super) fn of_model(ModelFile { model, notes }: &ModelFile) -> Self {
         let features =
             (0..model.model().plan().layout().features).map(|place| model.feature_name(&notes.orders, place));
-        Self { classes: model.classes.clone(), features: features.collect(), ..Self::default() }
+        let shaft = model.model().constants().shaft.first();
+        let orders = shaft.map_or(&[][..], |shaft| &shaft.tracking.orders);
+        let orders = orders.iter().map(|order| order.order()).collect();
+        Self { classes: model.classes.clone(), features: features.collect(), orders, ..Self::default() }
+    }
+
+    /// With the features' names of the model, which has names of its orders, if classes, orders and number of features
+    /// are those of the drive.
+    pub(super) fn named_by(self, of_model: &Self) -> Self {
+        let same = (&self.classes, &self.orders, self.features.len())
+            == (&of_model.classes, &of_model.orders, of_model.features.len());
+        if same { Self { features: of_model.features.clone(), ..self } } else { self }
+    }
+
+    /// Length of so many segments.
+    pub(super) fn time_s(&self, segments: u32) -> Option<f64> {
+        self.segment_s.map(|segment_s| f64::from(segments) * segment_s)
     }
 
     /// Name of a class.
@@ -115,6 +136,22 @@ impl Streams {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_model_of_the_same_drive_names_its_orders() {
+        let names = |features: &[&str], orders: &[f32]| Names {
+            classes: vec!["healthy".into()],
+            features: features.iter().map(|name| (*name).to_owned()).collect(),
+            orders: orders.to_vec(),
+            ..Names::default()
+        };
+        let (drive, model) = (names(&["order_5.41"], &[5.41]), names(&["order_outer"], &[5.41]));
+        assert_eq!(drive.clone().named_by(&model).features, ["order_outer"]);
+        for other in [names(&["order_outer"], &[5.4]), names(&["drag", "order_outer"], &[5.41])] {
+            assert_eq!(drive.clone().named_by(&other), drive);
+        }
+        assert_eq!(drive.clone().named_by(&Names { classes: vec![], ..model }), drive);
+    }
 
     #[test]
     fn a_single_hello_changes_no_stream() {

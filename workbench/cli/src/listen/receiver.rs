@@ -5,9 +5,8 @@ use bearing_watch::telemetry::{Block, Body, Frame, LinkCounts, RawBlock, Summary
 
 use super::live::View;
 use super::names::{Names, Streams};
-use super::raw;
 use super::traces::{Traces, Written};
-use super::words;
+use super::{alarm, raw, words};
 use crate::output;
 use model::Error;
 
@@ -35,6 +34,8 @@ impl Output {
 pub(super) struct Receiver {
     output: Output,
     streams: Streams,
+    /// Those of the model that is given.
+    model: Option<Names>,
     /// Names of the further channels of raw samples.
     further: Vec<String>,
     traces: Option<Traces>,
@@ -49,7 +50,13 @@ pub(super) struct Receiver {
 
 impl Receiver {
     pub(super) fn new(output: Output, traces: Option<Traces>, further: Vec<String>) -> Self {
-        Self { output, streams: Streams::default(), further, traces, view: None, last: None, alarm: None, unnamed: 0 }
+        let streams = Streams::default();
+        Self { output, streams, model: None, further, traces, view: None, last: None, alarm: None, unnamed: 0 }
+    }
+
+    /// With the names of this model for the drives that have it.
+    pub(super) fn with_model(self, model: Option<Names>) -> Self {
+        Self { model, ..self }
     }
 
     /// Shows what comes on a page too.
@@ -70,6 +77,7 @@ impl Receiver {
         match frame.body {
             Body::Hello(hello) => {
                 let names = Names::of(stream, &hello);
+                let names = self.model.iter().fold(names, Names::named_by);
                 if self.streams.hello(names.clone()) {
                     self.view.iter_mut().for_each(|view| view.hello(&names));
                     self.tell(words::hello_line(&names), words::hello_value(&names))?;
@@ -89,12 +97,8 @@ impl Receiver {
         self.tell(words::report_line(names, summary), words::report_value(names, summary))?;
         if summary.alarm != self.alarm {
             self.alarm = summary.alarm;
-            if let Some(alarm) = summary.alarm {
-                (self.output.alarm)(&format!(
-                    "ALARM at segment {}: {}",
-                    alarm.segment,
-                    words::cause(names, alarm.cause)
-                ))?;
+            if let Some(line) = alarm::line(names, summary) {
+                (self.output.alarm)(&line)?;
             }
         }
         Ok(())

@@ -1,9 +1,10 @@
 //! Frames as lines of text and as JSON.
 
+use bearing_watch::Verdict;
 use bearing_watch::telemetry::{LinkCounts, Summary};
-use bearing_watch::{Cause, Verdict};
 use serde_json::{Map, Value, json};
 
+use super::alarm;
 use super::names::Names;
 use super::traces::Written;
 use model::core::{denied, stuck_channels};
@@ -54,14 +55,6 @@ pub(super) fn verdict(names: &Names, verdict: Verdict) -> String {
     }
 }
 
-pub(super) fn cause(names: &Names, cause: Cause) -> String {
-    match cause {
-        Cause::Class(class) => names.class(class),
-        Cause::Unknown => "unknown".into(),
-        Cause::Coordinate(place) => names.feature(place),
-    }
-}
-
 fn posteriors(names: &Names, summary: &Summary<'_>) -> Vec<(String, f32)> {
     (0_u8..).zip(summary.posteriors.iter()).map(|(class, posterior)| (names.class(class), posterior)).collect()
 }
@@ -100,7 +93,8 @@ pub(super) fn report_value(names: &Names, summary: &Summary<'_>) -> Value {
         "distance": summary.distance,
         "surprise": summary.surprise,
         "score": summary.score,
-        "alarm": summary.alarm.map(|alarm| json!({ "segment": alarm.segment, "cause": cause(names, alarm.cause) })),
+        "alarm": alarm::value(names, summary),
+        "directions": alarm::directions(names, summary),
         "features": named(features),
         "order_scores": summary.order_scores.iter().collect::<Vec<f32>>(),
         "undetermined_segments": summary.undetermined,
@@ -125,7 +119,7 @@ pub(super) fn trace_value(Written { file, first, samples }: &Written) -> Value {
 pub(super) fn end_line(counts: LinkCounts, kept: Option<[u64; 3]>, unnamed: u64) -> String {
     let LinkCounts { frames, bad, oversize, unknown, lost, repeated } = counts;
     let mut line = format!("{frames} frames, {bad} bad, {lost} lost, {repeated} repeated");
-    let further = [(oversize, "too long"), (unknown, "of another format version")];
+    let further = [(oversize, "too long"), (unknown, "of a later format version")];
     for (count, what) in further.into_iter().filter(|(count, _)| *count > 0) {
         line.push_str(&format!(", {count} {what}"));
     }
@@ -159,7 +153,7 @@ pub(super) fn end_value(counts: LinkCounts, kept: Option<[u64; 3]>, unnamed: u64
 /// Why no frame came.
 pub(super) fn nothing(LinkCounts { bad, oversize, unknown, .. }: LinkCounts) -> String {
     match (bad, oversize, unknown) {
-        (_, _, 1..) => format!("{unknown} frames of another format version; use the workbench of that version"),
+        (_, _, 1..) => format!("{unknown} frames of a later format version; use the workbench of that version"),
         (0, 0, 0) => "no frame came; check the line, and that the drive sends".into(),
         _ => format!("no frame among {} damaged ones; check --baud and the source", bad.saturating_add(oversize)),
     }

@@ -170,7 +170,7 @@ fn lines_tell_verdict_reason_alarm_and_the_end() {
         "1700000006.000 s  segment 1  healthy, distance 1.75, 97 % usable\n",
         "segment 50  undetermined: the sensor of channel 2 is stuck, 97 % usable\n",
         "segment 101 again  undetermined: a fault that was found after the segment may have begun in it",
-        "ALARM at segment 520: spall\n",
+        "ALARM at segment 520, 1700003120.000 s: spall\n",
         "643 segments of 0x123: healthy 476, spall 153, undetermined 14; ALARM since segment 520: spall; 17 lost, 16 \
          repeated, 1 withdrawn, 1 frames that are no segment, 1 frames on another bus, 1320 frames of other \
          identifiers, 1 remote frames, 1 error frames, 1 lines that were not read\n",
@@ -179,7 +179,9 @@ fn lines_tell_verdict_reason_alarm_and_the_end() {
     }
     assert_eq!(text.matches("ALARM at").count(), 1);
     // Without a model classes have numbers.
-    assert!(succeed(dir, "listen bus.log --can-id 0x123").contains("ALARM at segment 520: class 2\n"));
+    assert!(
+        succeed(dir, "listen bus.log --can-id 0x123").contains("ALARM at segment 520, 1700003120.000 s: class 2\n")
+    );
     // The frame does not contain the number of rows that a reason has, so the text does not print one.
     std::fs::write(dir.join("few.log"), "(1.0) can0 123#0100210300008000\n(2.0) can0 123#0200420000008000")
         .expect("writable");
@@ -216,7 +218,7 @@ fn logs_without_the_identifier_are_refused() {
     refuse(dir, "listen absent.log --can-id 0x123", &["absent.log: No such file"]);
     refuse(dir, "listen bus.log --can-id 0x123 --model absent.bwm", &["absent.bwm"]);
     refuse(dir, "listen bus.log", &["bus.log: no frame came", "the log of a CAN bus needs --can-id"]);
-    for wrong in ["--can-id 291", "--can-id 0x800", "--can-id 0x123 --out t", "--model model.bwm"] {
+    for wrong in ["--can-id 291", "--can-id 0x800", "--can-id 0x123 --out t"] {
         assert_eq!(run(dir, &format!("listen bus.log {wrong}")).status.code(), Some(2), "{wrong}");
     }
 }

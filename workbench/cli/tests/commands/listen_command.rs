@@ -168,7 +168,7 @@ fn one_forged_frame_drops_no_other_and_acts_on_no_terminal() {
 }
 
 /// The content of a frame without its checksum.
-fn contents(frame: &[u8]) -> Vec<u8> {
+pub fn contents(frame: &[u8]) -> Vec<u8> {
     let stuffed: Vec<u8> = frame.iter().copied().filter(|byte| *byte != 0).collect();
     let mut content = vec![0; stuffed.len()];
     let length = cobs::decode(&stuffed, &mut content).expect("a frame");
@@ -177,7 +177,7 @@ fn contents(frame: &[u8]) -> Vec<u8> {
 }
 
 /// A frame of a content.
-fn framed(mut content: Vec<u8>) -> Vec<u8> {
+pub fn framed(mut content: Vec<u8>) -> Vec<u8> {
     let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&content);
     content.extend(checksum.to_le_bytes());
     let mut stuffed = vec![0; cobs::max_encoding_length(content.len())];

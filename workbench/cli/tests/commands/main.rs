@@ -22,6 +22,7 @@ mod front_end_commands;
 mod grey_box_commands;
 mod lab_commands;
 mod life_commands;
+mod listen_alarm_command;
 mod listen_command;
 mod listen_raw_command;
 mod missing_commands;

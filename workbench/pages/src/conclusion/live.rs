@@ -13,6 +13,8 @@ pub struct Heard<'a> {
     pub healthy: Option<usize>,
     /// The alarm: number of its segment, and cause.
     pub alarm: Option<&'a (f64, String)>,
+    /// What has risen, of an alarm by a direction ([`super::risen`]); else empty.
+    pub risen: &'a str,
     /// The last segments.
     pub judged: &'a [Judged],
 }
@@ -34,8 +36,12 @@ pub fn words(live: &Heard<'_>) -> String {
     };
     if let Some((at, cause)) = live.alarm {
         let what = if cause == "unknown" { "a defect of no trained class" } else { cause };
+        let what = match live.risen {
+            "" => format!("{what}, raised in segment {at:.0}."),
+            risen => format!("{risen} The alarm was raised in segment {at:.0}."),
+        };
         return format!(
-            "ALARM: {what}, raised in segment {at:.0}. Of the last {all}, {departs} depart from healthy{evidence}.\
+            "ALARM: {what} Of the last {all}, {departs} depart from healthy{evidence}.\
              {without} Inspect the bearing."
         );
     }
@@ -80,8 +86,9 @@ mod tests {
         places.iter().enumerate().map(one).collect()
     }
 
-    fn said(places: &[usize], healthy: Option<usize>, alarm: Option<&(f64, String)>) -> String {
-        words(&Heard { classes: &["healthy", "spall"].map(String::from), healthy, alarm, judged: &judged(places) })
+    fn said(places: &[usize], healthy: Option<usize>, alarm: Option<&(f64, String)>, risen: &str) -> String {
+        let classes = &["healthy", "spall"].map(String::from);
+        words(&Heard { classes, healthy, alarm, risen, judged: &judged(places) })
     }
 
     #[test]
@@ -93,12 +100,16 @@ mod tests {
             (&[4, 4], "No statement on the bearing", "Without a decision: 2 segments."),
             (&[0, 3], "No defect found in the last 1 decided segment;", "Without a decision: 1 segment."),
         ] {
-            let text = said(places, Some(0), None);
+            let text = said(places, Some(0), None, "");
             assert!(text.starts_with(start) && text.contains(part), "{text}");
         }
-        let alarmed = said(&[0, 2], Some(0), Some(&(2.0, "unknown".into())));
+        let alarmed = said(&[0, 2], Some(0), Some(&(2.0, "unknown".into())), "");
         assert!(alarmed.starts_with("ALARM: a defect of no trained class, raised in segment 2."), "{alarmed}");
-        let without = said(&[0], None, None);
+        let risen = said(&[0, 0], Some(0), Some(&(2.0, "order_outer".into())), "outer order has risen.");
+        let start =
+            "ALARM: outer order has risen. The alarm was raised in segment 2. Of the last 2 decided segments, 0";
+        assert!(risen.starts_with(start), "{risen}");
+        let without = said(&[0], None, None, "");
         assert!(without.contains("no healthy class among healthy and spall"), "{without}");
     }
 }

@@ -8,6 +8,7 @@ pub mod live;
 pub mod models;
 pub mod recordings;
 pub mod replay;
+pub mod risen;
 mod runs;
 pub mod training;
 

@@ -5,8 +5,8 @@ use model::core::{Embedded, Finding, SegmentReport, Watched};
 use model::trace::Trace;
 use model::train::directions::in_words;
 
-use super::percent;
 use super::runs::Runs;
+use super::{percent, risen};
 use crate::departing::departing;
 use crate::page::counted;
 
@@ -47,12 +47,8 @@ struct Raised {
     /// The direction that raised it, in a model that watches directions.
     main: Option<Contribution>,
     /// What has risen too, and what is as usual, in words.
-    too: Vec<String>,
-    usual: Vec<String>,
+    others: [Vec<String>; 2],
 }
-
-/// A run this many deviations above the drive's usual mean is not as usual.
-pub(crate) const USUAL: f32 = 3.0;
 
 impl<'a> Conclusion<'a> {
     /// Before the first trace; `orders` are the names of the tracked orders.
@@ -126,8 +122,8 @@ impl<'a> Conclusion<'a> {
         if let Some(cause) = self.model.cause(watched, self.orders) {
             let onset = watched.main.and_then(|main| self.places.get(usize::try_from(main.since).ok()?));
             let since = onset.or(self.rising.as_ref()).cloned().unwrap_or_else(|| at.to_owned());
-            let [too, usual] = self.others(self.runs.contributions(), &cause);
-            self.alarm = Some(Raised { cause, at: at.to_owned(), since, main: watched.main, too, usual });
+            let others = risen::others(&self.of_last_run(), &cause);
+            self.alarm = Some(Raised { cause, at: at.to_owned(), since, main: watched.main, others });
         }
     }
 
@@ -170,35 +166,19 @@ impl<'a> Conclusion<'a> {
 
     /// An alarm by a direction: what has risen, by how much, since when, and what has not.
     fn risen(&self, raised: &Raised, main: &Contribution) -> String {
-        let Raised { cause, at, since, too, usual, .. } = raised;
-        let list = |names: &[String], one: &str, several: &str| match names {
-            [] => String::new(),
-            [name] => format!("; {name} {one}"),
-            [first @ .., last] => format!("; {} and {last} {several}", first.join(", ")),
-        };
-        let others = list(too, "has risen too", "have risen too") + &list(usual, "is as usual", "are as usual");
+        let Raised { cause, at, since, others, .. } = raised;
         format!(
-            "ALARM: {} has risen. It is {:.1} standard deviations of runs above what is usual for this drive, since \
-             {since}{others}. The alarm was raised in {at}; the evidence {}. Inspect the bearing. If it is sound, file the \
+            "ALARM: {} The alarm was raised in {at}; the evidence {}. Inspect the bearing. If it is sound, file the \
              alarm as false: bearing-watch confirm --false.",
-            in_words(cause),
-            main.deviations,
+            risen::sentence(cause, &format!("{:.1}", main.deviations), since, others),
             self.evidence(),
         )
     }
 
-    /// The features of the other directions that have risen at the end of a run, and those that have not, in words.
-    fn others(&self, run: &[Contribution], cause: &str) -> [Vec<String>; 2] {
-        let feature = |one: &Contribution| self.model.direction_feature(self.orders, one.direction);
-        let risen: Vec<String> = run.iter().filter(|one| one.deviations >= USUAL).map(feature).collect();
-        let mut others = [vec![], vec![]];
-        for name in run.iter().map(feature).filter(|name| name != cause) {
-            let (words, list) = (in_words(&name), &mut others[usize::from(!risen.contains(&name))]);
-            if !list.contains(&words) {
-                list.push(words);
-            }
-        }
-        others
+    /// The features of all directions, with their deviations at the end of the last run.
+    fn of_last_run(&self) -> Vec<(String, f32)> {
+        let feature = |one: &Contribution| (self.model.direction_feature(self.orders, one.direction), one.deviations);
+        self.runs.contributions().iter().map(feature).collect()
     }
 
     /// The sentences, and in a paragraph of its own the size of a defect. The command line prints the size before them.

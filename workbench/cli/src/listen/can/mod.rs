@@ -110,13 +110,13 @@ impl Listener {
     }
 
     /// Shows an alarm and a silence that begin.
-    fn notice(&mut self, Segment { number, frame, .. }: &Segment) -> Result<(), Error> {
+    fn notice(&mut self, segment: &Segment) -> Result<(), Error> {
+        let Segment { number, frame, .. } = segment;
         let cause = frame.alarm();
         if cause != self.alarm.map(|(cause, _)| cause) {
             self.alarm = cause.map(|cause| (cause, *number));
             if let Some(cause) = cause {
-                let cause = words::alarm(&self.names, cause, frame.deviations());
-                (self.output.alarm)(&format!("ALARM at segment {number}: {cause}"))?;
+                (self.output.alarm)(&words::alarm_line(&self.names, segment, cause))?;
             }
         }
         if frame.is_silent() && !self.silent {

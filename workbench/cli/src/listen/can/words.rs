@@ -10,7 +10,11 @@ use super::course::{CourseCounts, Segment};
 use super::log::Counts;
 use crate::can_id::CanId;
 use crate::listen::names::Names;
-use crate::listen::words;
+use crate::listen::{alarm, words};
+use pages::conclusion::risen::sentence;
+
+/// The most deviations that a frame can tell ([`SegmentFrame::deviations`]).
+const MOST: f32 = 63.75;
 
 pub(super) fn verdict(names: &Names, frame: SegmentFrame) -> String {
     words::verdict(names, frame.verdict())
@@ -24,16 +28,20 @@ fn reason(frame: SegmentFrame) -> Option<String> {
 }
 
 pub(super) fn alarm_name(names: &Names, cause: Cause) -> String {
-    words::cause(names, cause)
+    alarm::name(names, cause)
 }
 
-/// The cause, and of a coordinate by how much it has risen.
-pub(super) fn alarm(names: &Names, cause: Cause, deviations: f32) -> String {
-    let name = alarm_name(names, cause);
-    match cause {
-        Cause::Coordinate(_) => format!("{name} has risen by {deviations:.2} deviations"),
-        Cause::Class(_) | Cause::Unknown => name,
-    }
+/// The first frame with an alarm, its cause, and of a coordinate by how much it has risen.
+pub(super) fn alarm_line(names: &Names, Segment { time_s, number, frame, .. }: &Segment, cause: Cause) -> String {
+    let what = match (cause, frame.deviations()) {
+        (Cause::Coordinate(_), by) => {
+            // The last step also stands for more.
+            let least = if by >= MOST { "at least " } else { "" };
+            sentence(&alarm_name(names, cause), &format!("{least}{by:.1}"), "", &[vec![], vec![]])
+        }
+        (Cause::Class(_) | Cause::Unknown, _) => alarm_name(names, cause),
+    };
+    format!("ALARM at segment {number}, {time_s:.3} s: {what}")
 }
 
 pub(super) fn segment_line(names: &Names, segment: &Segment) -> String {

@@ -1,0 +1,70 @@
+//! Reports say which direction has risen, by how much and since when; those of version 1 are read, too.
+
+#[path = "../../../target-tests/examples/support/directed.rs"]
+mod directed;
+#[path = "../../../target-tests/examples/support/directed_reports.rs"]
+mod directed_reports;
+#[path = "../../../target-tests/examples/support/law.rs"]
+mod law;
+
+use bearing_watch::alarm::Contribution;
+use bearing_watch::telemetry::{Body, Decoder, Encoder, Frame, LinkCounts, Source};
+use bearing_watch::{Cause, Verdict};
+
+/// Lets a decoder take a frame.
+fn receive(decoder: &mut Decoder<512>, frame: &[u8], look: &mut dyn FnMut(Frame<'_>)) {
+    for byte in frame {
+        if let Some(frame) = decoder.push(*byte) {
+            look(frame);
+        }
+    }
+}
+
+#[test]
+fn contributions_arrive_as_the_evidence_has_them() {
+    let mut encoder = Encoder::new(&directed::MODEL, Source::default());
+    let (mut decoder, mut buffer) = (Decoder::<512>::new(), [0; 512]);
+    let (mut reports, mut raised, mut longest) = (0, None, 0);
+    directed_reports::run(|report, evidence| {
+        let frame = encoder.report(report, evidence, &mut buffer).expect("fits");
+        longest = longest.max(frame.len());
+        receive(&mut decoder, frame, &mut |frame| {
+            let Body::Report(summary) = frame.body else { panic!("{frame:?}") };
+            let expected: Vec<(u8, Contribution)> =
+                (0..5).map(|k| (k, evidence.contribution(k).expect("a direction"))).collect();
+            assert_eq!(summary.contributions.iter().collect::<Vec<_>>(), expected);
+            assert_eq!((summary.alarm, summary.risen), (evidence.alarm(), evidence.main_contribution()));
+            if let (Some(alarm), None) = (summary.alarm, raised) {
+                raised = Some((alarm, summary.risen.expect("a direction")));
+            }
+            reports += 1;
+        });
+    });
+    println!("bytes of a report of 1 class, 5 features and 5 directions: {longest}");
+    assert_eq!(reports, directed_reports::RUNS * directed_reports::RUN);
+    let (alarm, risen) = raised.expect("an alarm");
+    let before = directed_reports::RISES.1 * directed_reports::RUN;
+    assert_eq!((alarm.cause, risen.direction, risen.since), (Cause::Coordinate(2), 2, before));
+    // Two runs, as one is never enough.
+    assert!(alarm.segment == before + 2 * directed_reports::RUN && risen.deviations > 5.0, "{alarm:?} {risen:?}");
+}
+
+/// The first report of `examples/telemetry.rs`, as an encoder of version 1 made it.
+const OLD: &str = "080101b8e3e2507e0101020101010101010101010101010101010101010101010101010101010101010101010101010386\
+                   130101010101010101010101010101010101010101030305010107803f1227b007010101193afb74be3a0beabd7803\
+                   153a98bd984024a234c08a1fbea600";
+
+#[test]
+fn a_report_of_version_1_is_read_without_contributions() {
+    let digits = OLD.as_bytes().chunks(2).map(|pair| std::str::from_utf8(pair).expect("digits"));
+    let bytes: Vec<u8> = digits.map(|pair| u8::from_str_radix(pair, 16).expect("digits")).collect();
+    let (mut decoder, mut found) = (Decoder::<512>::new(), 0);
+    receive(&mut decoder, &bytes, &mut |frame| {
+        let Body::Report(summary) = frame.body else { panic!("{frame:?}") };
+        assert_eq!((summary.segment, summary.rows, summary.verdict), (1, 4998, Verdict::Class(0)));
+        assert_eq!((summary.posteriors.len(), summary.features.len()), (3, 5));
+        assert!(summary.risen.is_none() && summary.contributions.is_empty());
+        found += 1;
+    });
+    assert_eq!((found, decoder.counts()), (1, LinkCounts { frames: 1, ..LinkCounts::default() }));
+}
