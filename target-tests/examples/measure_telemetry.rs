@@ -4,13 +4,17 @@
 #[macro_use]
 mod support;
 
+#[path = "support/directed.rs"]
+mod directed;
+#[path = "support/law.rs"]
+mod law;
 #[path = "../../examples/support/standard_rig/mod.rs"]
 mod standard_rig;
 
 use core::hint::black_box;
 
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
-use bearing_watch::telemetry::{Decoder, Encoder, RawRecorder, Recorder, Source};
+use bearing_watch::telemetry::{Decoder, Encoder, RawRecorder, Recorder, SegmentFrame, Source};
 use bearing_watch::{Angle, Detector, Evidence, Report};
 
 use standard_rig::model::{Drive, MODEL};
@@ -28,6 +32,7 @@ fn run() {
     let mut monitor = Detector::new(&MODEL);
     let Some(report) = standard_rig::samples().find_map(|sample| monitor.step(&sample)) else { return };
     frames(&mut counter, &report);
+    risen(&mut counter);
     samples(&mut counter);
     raw(&mut counter);
 }
@@ -61,6 +66,25 @@ fn frames(counter: &mut Counter, report: &Report<Drive>) {
         }
     });
     line("decoding that report", received, if found { bytes } else { 0 });
+}
+
+/// A report with contributions, and reports as CAN frames.
+fn risen(counter: &mut Counter) {
+    let (mut evidence, mut report) = (Evidence::new(&directed::MODEL), Detector::new(&directed::MODEL).finish());
+    report.decision = directed::decision([0.5; directed::DIRECTIONS]);
+    evidence.observe(report.decision.as_ref());
+    evidence.end_run();
+    let mut encoder = Encoder::new(&directed::MODEL, Source::default());
+    let (mut buffer, mut bytes) = ([0; 512], 0);
+    let whole = counter.instructions_per_call(CALLS, |_| {
+        let frame = black_box(&mut encoder).report(black_box(&report), black_box(&evidence), black_box(&mut buffer));
+        bytes = frame.map_or(0, <[u8]>::len);
+    });
+    line("report, 1 class, 5 features, 5 directions", whole, bytes);
+    let can = counter.instructions_per_call(CALLS, |_| {
+        black_box(SegmentFrame::of(black_box(&directed::MODEL), black_box(&report), black_box(&evidence)).to_bytes());
+    });
+    line("CAN frame of a report", can, 8);
 }
 
 fn samples(counter: &mut Counter) {

@@ -62,12 +62,12 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What the examples `measure`, `measure_interrupt`, `memory`, `stack` and `measure_signature` print, and what
-/// [`FOOTPRINTS`] add to other programs.
+/// What the examples `measure`, `measure_interrupt`, `memory`, `stack`, `measure_signature` and `measure_telemetry`
+/// print, and what [`FOOTPRINTS`] add to other programs.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = timed(&firmware::build(way, DRIVE, "measure")?)?;
     figures.extend(timed(&firmware::build(way, DRIVE, "measure_interrupt")?)?);
-    for example in ["memory", "stack", "measure_signature"] {
+    for example in ["memory", "stack", "measure_signature", "measure_telemetry"] {
         figures.extend(printed(&firmware::build(way, DRIVE, example)?, DRIVE)?);
     }
     if toolchain::hindrance(way, NO_FPU.target).is_none() {

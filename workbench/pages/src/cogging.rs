@@ -71,10 +71,16 @@ fn over_a_turn(rotor: &Lines) -> String {
 fn amplitudes(rotor: &Lines) -> String {
     let waves = || rotor.lines.iter().filter_map(|line| Some((f64::from(line.order), line.torque_nm?)));
     let points = waves().map(|(order, wave)| (order, 1e3 * wave.amplitude()));
-    let band = waves().map(|(order, wave)| {
+    // There is nothing between two orders, so no line joins them.
+    let stems = waves().map(|(order, wave)| (order, 0.0, 1e3 * wave.amplitude()));
+    let intervals = waves().map(|(order, wave)| {
         let (middle, half) = (1e3 * wave.amplitude(), 1e3 * wave.amplitude_interval());
         (order, middle - half, middle + half)
     });
-    let series = [Series::new("torque", Color::of(0), points).marked(Marker::Circle).with_band(band)];
+    let series = [
+        Series::intervals("from zero", Color::of(6), stems),
+        Series::points("torque", Color::of(0), Marker::Circle, points),
+        Series::intervals("95 % interval", Color::of(0), intervals),
+    ];
     or_reason(lines("Torque that does not depend on the current", "order", "amplitude / mN·m", &series))
 }

@@ -5,7 +5,6 @@ use model::core::Embedded;
 
 use crate::Color;
 use crate::conclusion::replay::Conclusion;
-use crate::conclusion::risen::USUAL;
 use crate::page::{counted, or_reason, paragraph};
 use crate::plot::{self, Series};
 use crate::table::table;
@@ -28,8 +27,7 @@ pub(crate) fn section(model: &Embedded, conclusion: &Conclusion) -> String {
         size(&name(direction), Color::of(place), &growths)
     });
     let row = |one: &Contribution| {
-        let since = usize::try_from(one.since).ok().filter(|_| one.deviations >= USUAL);
-        let since = since.map_or_else(|| "–".into(), |segment| conclusion.place(segment).to_owned());
+        let since = conclusion.risen_since(one).map_or("–", |segment| conclusion.place(segment)).to_owned();
         vec![name(one.direction), format!("{:+.1}", one.deviations), format!("{:.1}", one.score), since]
     };
     let limit = model.evidence_constants().limit;

@@ -104,23 +104,60 @@ fn with_sessions(labels: &Path, size: usize, first: usize) {
     std::fs::write(labels, out).expect("write");
 }
 
-#[test]
-fn an_alarm_by_runs_says_what_has_risen_and_is_confirmed() {
-    let folder = tempfile::tempdir().expect("folder");
-    let dir = folder.path();
+/// Trains m.bwm, m.rs and m.h from sixteen runs of six healthy records; returns what is said.
+fn trained_by_runs(dir: &Path) -> String {
     succeed(dir, "simulate --class healthy --condition mix --count 96 --seed 21 --out train");
-    succeed(dir, "simulate --class healthy --condition mix --count 12 --seed 22 --out later");
-    succeed(dir, "simulate --class spall --condition mix --severity 0.35 --count 8 --seed 23 --out later");
     with_sessions(&dir.join("train/labels.csv"), 6, 0);
-    with_sessions(&dir.join("later/labels.csv"), 4, 100);
-    let told = succeed(
+    succeed(
         dir,
         &format!(
             "{TRAIN} --labels train/labels.csv --model m.bwm --rust m.rs --c m.h --angle angle_rad \
              --velocity velocity_rad_s --velocity-ref velocity_ref_rad_s --load load_torque_nm --bearing 9,3,17,0.1745 \
              --features drag,inverse_kt,viscous,order_outer,order_inner --group session --alarm-interval-h 1000"
         ),
-    );
+    )
+}
+
+/// Ten healthy runs, and then a spall that grows by 0.002 of its full size in each of 26 runs of four records.
+#[test]
+fn a_slow_growth_is_told_with_its_time_before_a_single_segment_shows_it() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    trained_by_runs(dir);
+    succeed(dir, "simulate --class healthy --condition mix --count 40 --seed 322 --out later");
+    for k in 1..=26_u32 {
+        let (severity, seed) = (0.002 * f64::from(k), 1000 + k);
+        let defect = format!("--class spall --condition mix --severity {severity:.3} --count 4 --seed {seed}");
+        succeed(dir, &format!("simulate {defect} --out later"));
+    }
+    with_sessions(&dir.join("later/labels.csv"), 4, 100);
+    let said = succeed(dir, "replay --model m.bwm later --labels later/labels.csv --report r.html");
+    let page = std::fs::read_to_string(dir.join("r.html")).expect("a page");
+    let size = page.split("<p>Size of a defect, ").nth(1).and_then(|rest| rest.split("</p>").next()).expect("a size");
+    for words in
+        ["an hour of segments; if it goes on so, ", "usual runs, until ", "deviations, which a single segment shows."]
+    {
+        assert!(size.contains(words), "{size}");
+    }
+    // Of 26 runs of two thirds of usual length, after which the sizes are about half of the named one.
+    let left = size.split("hours of segments, or ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a number");
+    assert!((8.0..50.0).contains(&left.parse::<f64>().expect("runs")), "{size}");
+    // The table says of the direction of the alarm since when it has risen, as the sentence does.
+    let since = said.lines().last().and_then(|words| words.split("this drive, since ").nth(1)).expect("an onset");
+    let since = since.split(';').next().expect("a place");
+    let feature = size.split(':').next().expect("a name").split(' ').next().expect("a word");
+    let rows: Vec<&str> = page.split("<tr").filter(|row| row.contains(since)).collect();
+    assert!(rows.iter().any(|row| row.contains(feature)), "{feature} since {since}: {rows:?}");
+}
+
+#[test]
+fn an_alarm_by_runs_says_what_has_risen_and_is_confirmed() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --condition mix --count 12 --seed 22 --out later");
+    succeed(dir, "simulate --class spall --condition mix --severity 0.35 --count 8 --seed 23 --out later");
+    with_sessions(&dir.join("later/labels.csv"), 4, 100);
+    let told = trained_by_runs(dir);
     assert!(told.contains("outer order; inner order), 16 runs of one drive × 6 records"), "{told}");
     let read = |file: &str| std::fs::read_to_string(dir.join(file)).expect("a file");
     assert!(read("m.rs").contains("FEATURES: [&str; 5] = [\"drag\", \"inverse_kt\", \"viscous\", \"order_outer\""));

@@ -51,24 +51,7 @@ impl Watched {
         let Some((direction, growth)) = self.growth else { return String::new() };
         let name = name(direction);
         let size = between(growth.size, 1);
-        // Without a sampling interval only runs are known.
-        let (slope, left, [one, several]) = if growth.run_hours > 0.0 {
-            (growth.slope_per_hour(), growth.left_hours(), ["an hour", "hours"])
-        } else {
-            (growth.slope, growth.left, ["a run", "runs"])
-        };
-        let course = match left {
-            None => "not growing".into(),
-            Some(left) => {
-                let (slope, named) = (between(slope, 2), growth.named);
-                let until = if left.high > 0.0 {
-                    format!("; if it goes on so, {} {several} until {named:.0} deviations", between(left, 1))
-                } else {
-                    format!(", and has reached {named:.0} deviations")
-                };
-                format!("grows by {slope} {one}{until}")
-            }
-        };
+        let course = growth.left.map_or_else(|| "not growing".into(), |left| course(&growth, left));
         format!("{name}: {size} deviations above what is usual for this drive (90 % interval), {course}")
     }
 
@@ -92,6 +75,24 @@ pub(super) fn over(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Wa
         Watched::of(&evidence)
     };
     segments.iter().map(&mut observe).collect()
+}
+
+/// Slope of a size that grows, and so many usual runs until the named size, or that it is reached.
+fn course(growth: &Growth, left: Interval) -> String {
+    // Without a sampling interval only runs are known.
+    let hours = growth.left_hours().filter(|_| growth.run_hours > 0.0);
+    let slope = match hours {
+        Some(_) => format!("{} an hour of segments", between(growth.slope_per_hour(), 2)),
+        None => format!("{} a usual run", between(growth.slope, 2)),
+    };
+    let named = format!("{:.0} deviations, which a single segment shows", growth.named);
+    if left.high <= 0.0 {
+        return format!("grows by {slope}, and has reached {named}");
+    }
+    let runs = format!("{} usual runs", between(left, 1));
+    let time =
+        hours.map_or_else(|| runs.clone(), |hours| format!("{} hours of segments, or {runs},", between(hours, 1)));
+    format!("grows by {slope}; if it goes on so, {time} until {named}")
 }
 
 /// A value with its interval.

@@ -74,7 +74,7 @@ pub fn lines(own: &Training, found: &Found, place: &str) -> Vec<String> {
         Some(Err(reason)) => lines.push(format!("not cross-validated: {reason}")),
         None => {}
     }
-    lines.extend(found.forward.iter().map(ToString::to_string));
+    lines.extend(Forward::lines(&found.forward));
     if let Some(HeldOut { confusion, scores, false_alarms, .. }) = &found.held_out {
         let scores = scores.summary();
         lines.push(format!("held-out traces, through the embedded detector:\n{confusion}\n{scores}"));

@@ -79,12 +79,49 @@ impl Forward {
     }
 }
 
-impl std::fmt::Display for Forward {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "forward in time, first {} runs: ", self.seen)?;
+impl Forward {
+    /// A line a number of runs; one for all numbers in a row that have the same refusal.
+    #[must_use]
+    pub fn lines(all: &[Self]) -> Vec<String> {
+        let refusal = |one: &Self| one.later.as_ref().err().map(ToString::to_string);
+        let same = |a: &Self, b: &Self| refusal(a).is_some() && refusal(a) == refusal(b);
+        let line = |alike: &[Self]| match alike {
+            [first, .., last] => first.line(&format!(" to {}", last.seen)),
+            _ => alike.iter().map(|one| one.line("")).collect(),
+        };
+        all.chunk_by(same).map(line).collect()
+    }
+
+    fn line(&self, until: &str) -> String {
+        let start = format!("forward in time, first {}{until} runs: ", self.seen);
         match &self.later {
-            Ok(found) => write!(f, "false alarms later {found}"),
-            Err(reason) => write!(f, "no gate, {reason}"),
+            Ok(found) => format!("{start}false alarms later {found}"),
+            Err(reason) => format!("{start}no gate, {reason}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refusal_of_several_numbers_of_runs_is_told_once() {
+        let refused = |reason: &str| Err(Error::Training(reason.into()));
+        let later = [
+            refused("no spall"),
+            refused("no spall"),
+            refused("few runs"),
+            Ok(FalseAlarms::default()),
+            refused("no spall"),
+        ];
+        let all: Vec<Forward> = (2..).zip(later).map(|(seen, later)| Forward { seen, later }).collect();
+        let lines = Forward::lines(&all);
+        let starts =
+            ["2 to 3 runs: no gate, no spall", "4 runs: no gate, few runs", "5 runs: false alarms", "6 runs: no"];
+        assert_eq!(lines.len(), starts.len());
+        for (line, start) in lines.iter().zip(starts) {
+            assert!(line.starts_with(&format!("forward in time, first {start}")), "{line}");
         }
     }
 }

@@ -192,6 +192,14 @@ impl<'a> Conclusion<'a> {
         &self.runs
     }
 
+    /// Since which segment a direction has risen: that of the alarm since the segment that the sentences name, the
+    /// others if they are not as usual at the end of the last run.
+    pub(crate) fn risen_since(&self, one: &Contribution) -> Option<usize> {
+        let main = self.alarm.as_ref().and_then(|alarm| alarm.main).filter(|main| main.direction == one.direction);
+        let since = main.map(|main| main.since).or((one.deviations >= risen::USUAL).then_some(one.since));
+        usize::try_from(since?).ok()
+    }
+
     /// Place of a segment by its number.
     pub(crate) fn place(&self, segment: usize) -> &str {
         self.places.get(segment).map_or("–", String::as_str)

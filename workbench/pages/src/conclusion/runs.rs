@@ -112,14 +112,15 @@ mod tests {
         let mut runs = Runs::default();
         (0..2).for_each(|place| runs.take(place, &watched(6.0, Some(80.0), true)));
         let words = runs.size(&name);
-        let course =
-            "grows by 0.50 [0.25, 1.00] an hour; if it goes on so, 40.0 [20.0, 80.0] hours until 12 deviations.";
+        let course = "grows by 0.50 [0.25, 1.00] an hour of segments; if it goes on so, 40.0 [20.0, 80.0] hours of segments, or \
+             80.0 [40.0, 160.0] usual runs, until 12 deviations, which a single segment shows.";
         assert!(words.contains(course), "{words}");
         let mut untimed = watched(6.0, Some(80.0), true);
         untimed.growth.iter_mut().for_each(|(_, growth)| growth.run_hours = 0.0);
         runs.take(2, &untimed);
         let words = runs.size(&name);
-        let course = "grows by 0.25 [0.12, 0.50] a run; if it goes on so, 80.0 [40.0, 160.0] runs until 12 deviations.";
+        let course = "grows by 0.25 [0.12, 0.50] a usual run; if it goes on so, 80.0 [40.0, 160.0] usual runs until 12 \
+                      deviations, which a single segment shows.";
         assert!(words.contains(course), "{words}");
     }
 
@@ -128,7 +129,9 @@ mod tests {
         let mut runs = Runs::default();
         (0..2).for_each(|place| runs.take(place, &watched(20.0, Some(0.0), true)));
         let words = runs.size(&name);
-        assert!(words.contains(", grows by 0.50 [0.25, 1.00] an hour, and has reached 12 deviations. This"), "{words}");
+        let course = ", grows by 0.50 [0.25, 1.00] an hour of segments, and has reached 12 deviations, which a single \
+                      segment shows. This";
+        assert!(words.contains(course), "{words}");
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub struct Series {
     pub dashed: bool,
     /// Marker at every point, if set.
     pub marker: Option<Marker>,
+    /// Whether a line joins the points; else there are markers only.
+    pub joined: bool,
     /// Shaded interval (x, low, high) around the line, for example a 95 % interval.
     pub band: Vec<(f64, f64, f64)>,
 }
@@ -41,7 +43,7 @@ impl Series {
     #[must_use]
     pub fn new(name: impl Into<String>, color: Color, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let points = points.into_iter().collect();
-        Self { name: name.into(), color, points, dashed: false, marker: None, band: Vec::new() }
+        Self { name: name.into(), color, points, dashed: false, marker: None, joined: true, band: Vec::new() }
     }
 
     /// The same series with a dashed line.
@@ -54,6 +56,29 @@ impl Series {
     #[must_use]
     pub fn marked(self, marker: Marker) -> Self {
         Self { marker: Some(marker), ..self }
+    }
+
+    /// Points without a line between them, of values that have nothing in between.
+    #[must_use]
+    pub fn points(
+        name: impl Into<String>,
+        color: Color,
+        marker: Marker,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self { joined: false, ..Self::new(name, color, points).marked(marker) }
+    }
+
+    /// An upright line for each of these intervals (x, low, high).
+    #[must_use]
+    pub fn intervals(
+        name: impl Into<String>,
+        color: Color,
+        intervals: impl IntoIterator<Item = (f64, f64, f64)>,
+    ) -> Self {
+        let upright = |(x, low, high)| [(f64::NAN, f64::NAN), (x, low), (x, high)];
+        // No gap before the first.
+        Self::new(name, color, intervals.into_iter().flat_map(upright).skip(1))
     }
 
     /// The same series with a shaded interval (x, low, high).
@@ -106,7 +131,10 @@ impl Series {
             .line(line)
             .y_axis(axis);
         traces.push(match self.marker {
-            Some(marker) => trace.mode(Mode::LinesMarkers).marker(marker.filled(&color, 8)),
+            Some(marker) => {
+                let mode = if self.joined { Mode::LinesMarkers } else { Mode::Markers };
+                trace.mode(mode).marker(marker.filled(&color, 8))
+            }
             None => trace.mode(Mode::Lines),
         });
         traces
