@@ -18,7 +18,7 @@ use crate::input::Input;
 use crate::{checksum, served};
 
 /// The doors.
-pub static DOORS: [Door; 12] = [
+pub static DOORS: [Door; 13] = [
     Door::new("text", "tables of text", |bytes| table("t.csv", bytes)),
     Door::new("packed", "tables of text, with gzip or zstd", |bytes| table("t.csv.gz", bytes)),
     Door::new("matlab", "MATLAB 5 to 7.3", |bytes| table("t.mat", bytes)),
@@ -31,6 +31,7 @@ pub static DOORS: [Door; 12] = [
     Door::new("sums", "sums of a fleet", sums),
     Door::new("http", "requests to the pages of view", served::request),
     Door::new("listen", "the line of listen", served::line),
+    Door::new("can-log", "logs of a CAN bus", served::can_log),
 ];
 
 thread_local! {

@@ -36,6 +36,34 @@ const WORDS: [&str; 24] = [
     "/page/",
 ];
 
+/// Parts of logs of a CAN bus, by `candump -L` and as ASC files.
+const LOGGED: [&str; 24] = [
+    "(1.500000) can0 123#",
+    "(1700000000.250000) can1 123##1",
+    "(2.5) can0 00000123#",
+    "(nan) can0 123#R",
+    "20000088#0000000000000000",
+    "0103000000006404",
+    "0200470300006180",
+    "03040000820A6410",
+    "\n",
+    "\r\n",
+    "base hex  timestamps absolute\n",
+    "base dec  timestamps relative\n",
+    "date Tue Nov 14 10:13:20 am 2023\n",
+    "   0.015991 1  123             Rx   d 8 ",
+    "2.5 CANFD   1 Rx        123  Segment   1 0 8  8 ",
+    "3.0 1  ErrorFrame\n",
+    "3.0 1 123 Rx r 8\n",
+    "01 04 00 00 82 07 64 FF",
+    "05 00 47 03 00 00 61 00",
+    "  Length = 240000 ID = 291\n",
+    "123",
+    "x",
+    " ",
+    "_E",
+];
+
 thread_local! {
     /// A folder that is served, of this thread.
     static SERVED: PathBuf = served();
@@ -83,10 +111,15 @@ pub fn request(bytes: &[u8]) {
 
 /// Words of requests, and any bytes between them.
 fn target(input: &mut Input<'_>) -> Vec<u8> {
+    spelt(&WORDS, input)
+}
+
+/// These words, and any bytes between them.
+fn spelt(words: &[&str], input: &mut Input<'_>) -> Vec<u8> {
     let mut bytes = vec![];
     while !input.is_empty() {
         match input.byte() {
-            place @ 0..=199 => bytes.extend(WORDS[usize::from(place) % WORDS.len()].bytes()),
+            place @ 0..=199 => bytes.extend(words[usize::from(place) % words.len()].bytes()),
             count => bytes.extend(input.bytes(usize::from(count - 199))),
         }
     }
@@ -106,5 +139,17 @@ pub fn line(bytes: &[u8]) {
         let text = std::fs::read_to_string(&file).expect("a trace is text");
         assert!(text.ends_with('\n'), "{} is complete", file.display());
         std::fs::remove_file(&file).expect("removed");
+    }
+}
+
+/// A log of any bytes, or of words that logs have: nothing acts on a terminal, and what is no log has a message.
+pub fn can_log(bytes: &[u8]) {
+    let mut input = Input::new(bytes);
+    let log = match input.byte() % 4 {
+        0 => input.bytes(usize::MAX).to_vec(),
+        _ => spelt(&LOGGED, &mut input),
+    };
+    if let Err(error) = workbench::doors::can_log(&log) {
+        assert!(!error.to_string().is_empty(), "a message");
     }
 }

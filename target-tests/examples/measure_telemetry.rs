@@ -4,10 +4,6 @@
 #[macro_use]
 mod support;
 
-#[path = "support/directed.rs"]
-mod directed;
-#[path = "support/law.rs"]
-mod law;
 #[path = "../../examples/support/standard_rig/mod.rs"]
 mod standard_rig;
 
@@ -19,6 +15,7 @@ use bearing_watch::{Angle, Detector, Evidence, Report};
 
 use standard_rig::model::{Drive, MODEL};
 use support::count::Counter;
+use support::directed;
 
 const CALLS: u32 = 20;
 

@@ -187,10 +187,8 @@ fn look(frame: &Frame<'_>) {
                 assert_eq!((numbers.get(numbers.len()), numbers.is_empty()), (None, numbers.is_empty()));
             }
             let contributions = summary.contributions;
-            assert_eq!(
-                (contributions.iter().count(), contributions.is_empty()),
-                (contributions.len(), contributions.len() == 0)
-            );
+            let count = contributions.iter().count();
+            assert_eq!((count, count == 0), (contributions.len(), contributions.is_empty()));
         }
         Body::Samples(block) => {
             for k in 0..block.len() {

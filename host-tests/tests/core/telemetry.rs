@@ -3,7 +3,7 @@
 #[path = "../../../examples/support/classifier.rs"]
 mod classifier;
 #[path = "../../../target-tests/examples/support/law.rs"]
-mod law;
+pub mod law;
 #[path = "../../../examples/support/numbers.rs"]
 mod numbers;
 #[allow(dead_code, reason = "only its constants are used")]

@@ -4,12 +4,12 @@
 mod directed;
 #[path = "../../../target-tests/examples/support/directed_reports.rs"]
 mod directed_reports;
-#[path = "../../../target-tests/examples/support/law.rs"]
-mod law;
 
 use bearing_watch::alarm::Contribution;
 use bearing_watch::telemetry::{Body, Decoder, Encoder, Frame, LinkCounts, Source};
 use bearing_watch::{Cause, Verdict};
+
+use crate::telemetry::law;
 
 /// Lets a decoder take a frame.
 fn receive(decoder: &mut Decoder<512>, frame: &[u8], look: &mut dyn FnMut(Frame<'_>)) {

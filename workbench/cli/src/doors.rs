@@ -25,8 +25,21 @@ pub fn request(folder: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Error> {
 /// # Panics
 /// If a line or a value would act on a terminal.
 pub fn line(folder: &Path, bytes: &[u8]) -> Result<(), Error> {
-    listen::taken(bytes, folder, Output { tell: looked_at, alarm: |line| looked_at(line.to_owned(), Value::Null) })
+    listen::taken(bytes, folder, OUTPUT)
 }
+
+/// Does what `listen --can-id 0x123` does with these bytes of a log.
+///
+/// # Errors
+/// As the command.
+///
+/// # Panics
+/// If a line or a value would act on a terminal.
+pub fn can_log(bytes: &[u8]) -> Result<(), Error> {
+    listen::taken_log(bytes, OUTPUT)
+}
+
+const OUTPUT: Output = Output { tell: looked_at, alarm: |line| looked_at(line.to_owned(), Value::Null) };
 
 fn looked_at(line: String, value: Value) -> Result<(), Error> {
     let value = value.to_string();

@@ -160,15 +160,16 @@ impl Line<'_> {
     }
 }
 
-/// Takes what came over a line, writes its samples to this folder, and shows it by `output`; for attacks. The same
-/// bytes are the log of a CAN bus, too.
-pub(super) fn taken(bytes: &[u8], folder: &Path, output: Output) -> Result<(), Error> {
+/// Takes the log of a CAN bus, and shows the segments of the identifier 0x123 by `output`; for attacks.
+pub(super) fn taken_log(bytes: &[u8], output: Output) -> Result<(), Error> {
     let id = CanId { number: 0x123, extended: false };
     let mut listener = Listener::new(id, Names::default(), output);
     listener.take(bytes)?;
-    if listener.has_segments() {
-        listener.end("log")?;
-    }
+    listener.end("log")
+}
+
+/// Takes what came over a line, writes its samples to this folder, and shows it by `output`; for attacks.
+pub(super) fn taken(bytes: &[u8], folder: &Path, output: Output) -> Result<(), Error> {
     let mut decoder = Box::new(Decoder::<LONGEST>::new());
     let mut receiver = Receiver::new(output, Some(Traces::new(folder)?), vec![]);
     receiver.show(View::unserved(), "")?;
