@@ -157,6 +157,7 @@ fn a_model_that_is_too_large_is_refused() {
                     load: None,
                     orders: 7,
                     harmonics: 1,
+                    decimation: 1,
                 }),
                 features: 1,
                 coordinates: 1,

@@ -198,7 +198,14 @@ mod tests {
     fn plan() -> RunTime {
         let plain = testing::regression(Structure::new(1, 1, 1, 1, 1), Method::LeastSquares, Memory::Segment);
         let signal = Signal::channel;
-        let shaft = ShaftLayout { current: signal(0), velocity: Some(signal(1)), load: None, orders: 2, harmonics: 3 };
+        let shaft = ShaftLayout {
+            current: signal(0),
+            velocity: Some(signal(1)),
+            load: None,
+            orders: 2,
+            harmonics: 3,
+            decimation: 1,
+        };
         RunTime::of(Layout { shaft: Some(shaft), ..plain }).unwrap()
     }
 

@@ -91,8 +91,9 @@ impl Reader<'_> {
             let [current, velocity, load] = self.signals()?;
             let measured = |signal: Signal| (signal.channel != NONE).then_some(signal);
             let (velocity, load) = (measured(velocity), measured(load));
-            let (orders, harmonics) = (self.u8()?, self.u8()?);
-            layout.shaft = Some(ShaftLayout { current, velocity, load, orders, harmonics });
+            let (orders, steps) = (self.u8()?, self.u8()?);
+            let (harmonics, decimation) = (steps & 0xF, (steps >> 4).wrapping_add(1));
+            layout.shaft = Some(ShaftLayout { current, velocity, load, orders, harmonics, decimation });
         }
         layout.averaged = self.u16()?;
         [layout.features, layout.covariates, layout.coordinates, layout.rising] = self.array()?;

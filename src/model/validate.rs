@@ -14,7 +14,7 @@ use crate::decide::{Background, Covariate, Direction, MAX_SURPRISE};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
 use crate::regression::estimate::is_stable;
 use crate::regression::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
-use crate::shaft::{Blocks, Lags, MAX_BLOCKS, MAX_LAG, StateVariable, TrackedOrder, least_samples};
+use crate::shaft::{Blocks, Lags, MAX_BLOCKS, MAX_LAG, StateVariable, TrackedOrder, least_steps};
 use crate::signal::{Channel, Label};
 
 /// Orders beyond this would turn more than half a turn between samples at any speed that can be tracked.
@@ -191,8 +191,9 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     // The factor of the balance sums at most as many rows as any other of one level.
     let samples = parts.sampling.segment_samples as u64 * parts.sampling.block_mean as u64;
     require!(balance.row_interval > 0, RowInterval);
-    require!(samples / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
-    let most_blocks = samples / least_samples(layout.orders, layout.harmonics);
+    let steps = if layout.is_halved() { samples.div_ceil(2) } else { samples };
+    require!(steps / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
+    let most_blocks = steps / least_steps(layout.orders, layout.harmonics);
     require!(layout.orders == 0 || most_blocks <= MAX_BLOCKS as u64, SegmentLength);
     let velocities = [balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_velocity_rad_s];
     require!(all_within(&velocities, 1e-6, 1e6) && all_within(&[balance.usual_load_nm], 0.0, 1e6), BalanceVelocity);
@@ -201,7 +202,7 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     let velocity = match layout.velocity {
         Some(velocity) => limit_of(parts.channels, velocity),
         // An angle differs by at most half a turn from the last one.
-        None => core::f32::consts::PI / balance.interval_s,
+        None => core::f32::consts::PI * layout.decimation as f32 / balance.interval_s,
     };
     let load = match layout.load {
         Some(load) => limit_of(parts.channels, load),

@@ -75,12 +75,13 @@ impl<S: Sink> Writer<S> {
             [y, u1, u2].into_iter().try_for_each(|signal| self.signal(signal))?;
         }
         self.bytes(&[u8::from(layout.shaft.is_some())])?;
-        if let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = layout.shaft {
+        if let Some(ShaftLayout { current, velocity, load, orders, harmonics, decimation }) = layout.shaft {
             self.signal(current)?;
             for measured in [velocity, load] {
                 self.signal(measured.unwrap_or(Signal::channel(NONE)))?;
             }
-            self.bytes(&[orders, harmonics])?;
+            // The high half of the byte is the decimation less one, so that 0 is that of each sample.
+            self.bytes(&[orders, harmonics & 0xF | decimation.wrapping_sub(1) << 4])?;
         }
         let quadratic = u8::from(layout.discriminant == Kind::Quadratic);
         self.bytes(&layout.averaged.to_le_bytes())?;

@@ -33,7 +33,7 @@ pub enum LayoutError {
     Terms,
     /// Instrumental variables need 1 … 4 output terms.
     OutputTerms,
-    /// The shaft has more than 32 orders, or not 1 … 3 harmonics.
+    /// The shaft has more than 32 orders, not 1 … 3 harmonics, or takes neither each sample nor each second one.
     Orders,
     /// More than [`MAX_COVARIATES`] covariates.
     Covariates,
@@ -57,7 +57,9 @@ impl LayoutError {
             Self::NoDifference => "a signal of the plan is the difference of a channel and itself",
             Self::Terms => "the regression of the plan has no terms or more than 254 columns",
             Self::OutputTerms => "instrumental variables need 1 to 4 output terms",
-            Self::Orders => "the plan has more than 32 bearing orders, or not 1 to 3 harmonics",
+            Self::Orders => {
+                "the plan has more than 32 bearing orders, not 1 to 3 harmonics, or a decimation other than 1 and 2"
+            }
             Self::Covariates => "the plan has more than 8 covariates",
             Self::Classifier => "the plan has no features, no coordinates or no classes",
             Self::Rising => "the plan has more rising coordinates than coordinates",
@@ -101,7 +103,9 @@ impl Layout {
         }
         if let Some(shaft) = &self.shaft {
             used |= shaft.mask();
-            if shaft.orders > 32 || shaft.harmonics == 0 || shaft.harmonics as usize > MAX_HARMONICS {
+            let harmonics = shaft.harmonics as usize;
+            let stepped = shaft.decimation == 1 || shaft.is_halved();
+            if shaft.orders > 32 || harmonics == 0 || harmonics > MAX_HARMONICS || !stepped {
                 return Err(LayoutError::Orders);
             }
         }

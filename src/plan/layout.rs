@@ -113,6 +113,8 @@ pub struct ShaftLayout {
     pub orders: u8,
     /// Number of harmonics of each order, 1 … 3.
     pub harmonics: u8,
+    /// Samples from step to step of balance and orders: 1, or 2 for each second sample behind a half-band filter.
+    pub decimation: u8,
 }
 
 /// What a detector consists of.
@@ -159,6 +161,12 @@ impl ShaftLayout {
     #[inline(always)]
     pub(crate) const fn mask(&self) -> u16 {
         self.current.mask() | mask(self.velocity) | mask(self.load)
+    }
+
+    /// Whether balance and orders take each second sample.
+    #[inline(always)]
+    pub(crate) const fn is_halved(&self) -> bool {
+        self.decimation == 2
     }
 
     /// Whether the shaft needs the angle: for bearing orders, or for the velocity.

@@ -9,6 +9,10 @@
 //!    └ angle ─► common delay ──────────────────────────────▲
 //! ```
 //!
+//! A plan takes a step at each sample, or at each second one, behind a half-band filter of the signals
+//! ([`ShaftLayout::decimation`](crate::plan::ShaftLayout::decimation)): half of the work where the orders are far below
+//! the sampling rate, with less of the noise of fast signals. The sample between two steps adds the orders.
+//!
 //! Sensors lag behind the angle: the current because of its filter and conversion, the velocity if it is the filtered
 //! difference of an angle, the load because of its amplifier. [`Lags`] gives each lag in samples; all signals are
 //! delayed to the slowest one. Otherwise a lag times the rate of the load would be estimated as friction. The shaft is
@@ -37,6 +41,6 @@ pub use state::ShaftEstimate;
 
 pub(crate) use balance::{Balance, StateVariable};
 pub(crate) use delays::{Lags, MAX_LAG};
-pub(crate) use orders::{Blocks, MAX_BLOCKS, TrackedOrder, least_samples};
+pub(crate) use orders::{Blocks, MAX_BLOCKS, TrackedOrder, least_steps};
 pub(crate) use solve::ShaftSolve;
 pub(crate) use state::{Shaft, ShaftSums};

@@ -3,8 +3,8 @@
 use core::f32::consts::TAU;
 
 use super::balance::{Balance, BalanceState, BalanceSums, Friction, Torques};
-use super::delays::{Delay, Delays, Lags, RING};
-use super::orders::{OrderStrength, OrderSums, OrderTracking, ResidualState, Tracking};
+use super::delays::{BEFORE, Delay, Delays, Lags, RING, TAPS, half_band};
+use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking};
 use super::plausibility;
 use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
 use crate::reason::{Implausible, Part, Reason};
@@ -101,9 +101,13 @@ pub(super) struct Usage {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Shaft<P: Plan> {
-    ring: [Moment; RING as usize],
+    ring: [Moment; (RING + BEFORE) as usize],
     place: u8,
-    /// Samples until the ring is full and the filters have started.
+    /// Whether the last sample was one between two steps.
+    is_between: bool,
+    /// The step whose orders are added at the next sample.
+    taken: Option<Taken>,
+    /// Steps until what is read of the ring is full and the filters have started.
     filling: u8,
     /// Lost samples in a row.
     lost: u8,
@@ -159,12 +163,14 @@ impl<P: Plan> Shaft<P> {
     #[must_use]
     pub fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
         Self {
-            ring: [Moment::default(); RING as usize],
+            ring: [Moment::default(); (RING + BEFORE) as usize],
             place: 0,
+            is_between: false,
+            taken: None,
             filling: FILLING,
             lost: 0,
             spoilt: 0,
-            delays: Delays::of(&constants.lags),
+            delays: Delays::of(&constants.lags, plan.layout().shaft.is_some_and(|shaft| shaft.is_halved())),
             angle: Angle::ZERO,
             travel: Travel::default(),
             balance: BalanceState::new(&constants.balance),
@@ -173,8 +179,9 @@ impl<P: Plan> Shaft<P> {
         }
     }
 
-    /// Takes a sample; `good` says whether all channels of the shaft may be used.
-    #[inline(always)]
+    /// Takes a sample; `good` says whether all channels of the shaft may be used. A function of its own: inlined into an
+    /// interrupt, it would take the registers of the front end.
+    #[inline(never)]
     pub fn step(
         &mut self,
         sums: &mut ShaftSums<P>,
@@ -182,16 +189,18 @@ impl<P: Plan> Shaft<P> {
         constants: &ShaftConstants<P>,
         (sample, good): (&P::Sample, bool),
     ) {
-        let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = plan.layout().shaft else {
+        let Some(layout) = plan.layout().shaft else {
             return;
         };
-        let has_load = load.is_some();
+        let ShaftLayout { current, velocity, load, .. } = layout;
         let last = self.back(0);
         self.place = self.place.wrapping_add(1) % RING;
         let moment = if good {
+            let interval_s = constants.balance.interval_s;
+            let interval_s = if layout.is_halved() { 0.5 * interval_s } else { interval_s };
             let velocity_rad_s = match velocity {
                 Some(velocity) => read(velocity, sample),
-                None => self.mean_velocity_rad_s(constants.balance.interval_s, sample.angle(), &last),
+                None => self.mean_velocity_rad_s(interval_s, sample.angle(), &last),
             };
             self.lost = 0;
             let load_nm = load.map_or(0.0, |load| read(load, sample));
@@ -204,22 +213,72 @@ impl<P: Plan> Shaft<P> {
         if let Some(cell) = self.ring.get_mut(self.place as usize) {
             *cell = moment;
         }
-        let watched = velocity.is_some();
-        let [current, velocity, load, angle] = self.delays.all();
+        if layout.is_halved() {
+            self.halved(sums, layout, constants, moment);
+        } else {
+            let [current, velocity, load, _] = self.delays.all();
+            let now = Torques {
+                current_a: self.between(current, |moment| moment.torques.current_a),
+                velocity_rad_s: self.between(velocity, |moment| moment.torques.velocity_rad_s),
+                load_nm: if layout.load.is_some() { self.between(load, |moment| moment.torques.load_nm) } else { 0.0 },
+            };
+            if let Some((turned, residual)) = self.balanced(sums, layout, constants, &now) {
+                self.orders.step(&mut sums.orders, &constants.tracking, turned, (layout.harmonics, residual));
+            }
+        }
+    }
+
+    /// Each second sample is a step behind the half-band filter; the sample between steps adds the bearing orders, so
+    /// that the work is distributed.
+    #[inline(always)]
+    fn halved(&mut self, sums: &mut ShaftSums<P>, layout: ShaftLayout, constants: &ShaftConstants<P>, moment: Moment) {
+        // The first moments again behind the last, so that those of a filter are in a row.
+        if let Some(cell) = self.ring.get_mut(self.place.wrapping_add(RING) as usize) {
+            *cell = moment;
+        }
+        let tracking = &constants.tracking;
+        self.is_between = !self.is_between;
+        if self.is_between {
+            if let Some(taken) = self.taken.take() {
+                self.orders.leave(&mut sums.orders, tracking, layout.harmonics, taken);
+            }
+            if self.filling == 0 {
+                self.spoilt = self.spoilt.saturating_sub(1);
+            }
+            return;
+        }
+        let [current, velocity, load, _] = self.delays.all();
         let now = Torques {
-            current_a: self.between(current, |moment| moment.torques.current_a),
-            velocity_rad_s: self.between(velocity, |moment| moment.torques.velocity_rad_s),
-            load_nm: if has_load { self.between(load, |moment| moment.torques.load_nm) } else { 0.0 },
+            current_a: self.filtered(current, |moment| moment.torques.current_a),
+            velocity_rad_s: self.filtered(velocity, |moment| moment.torques.velocity_rad_s),
+            load_nm: if layout.load.is_some() { self.filtered(load, |moment| moment.torques.load_nm) } else { 0.0 },
         };
+        if let Some((turned, residual)) = self.balanced(sums, layout, constants, &now) {
+            self.taken = Some(self.orders.take(tracking, turned, residual));
+        }
+    }
+
+    /// Takes the signals of a step; the angle turned since the last one and the residual, if there are orders,
+    /// unless the filters start.
+    #[inline(always)]
+    fn balanced(
+        &mut self,
+        sums: &mut ShaftSums<P>,
+        layout: ShaftLayout,
+        constants: &ShaftConstants<P>,
+        now: &Torques,
+    ) -> Option<(i32, Residual)> {
+        let [.., angle] = self.delays.all();
         let angle = self.angle_back(angle);
         let turned = angle.since(core::mem::replace(&mut self.angle, angle));
         let usage = &mut sums.usage;
         usage.seen = usage.seen.saturating_add(1);
+        let (balance, has_load) = (&constants.balance, layout.load.is_some());
         if self.filling > 0 {
             self.travel.restart();
             self.orders.turn_unwatched(turned);
-            self.fill(constants, &now);
-            return;
+            self.fill(layout.decimation, constants, now);
+            return None;
         }
         let clean = self.spoilt == 0;
         if clean {
@@ -229,20 +288,17 @@ impl<P: Plan> Shaft<P> {
             self.travel.restart();
         }
         // A velocity of the angle agrees with it.
-        if watched && clean && self.travel.step(turned, now.velocity_rad_s) {
-            self.travel.close(
-                &mut sums.travel,
-                SLOWEST * constants.balance.sign_velocity_rad_s * constants.balance.interval_s,
-            );
+        if layout.velocity.is_some() && clean && self.travel.step(turned, now.velocity_rad_s) {
+            let slowest = SLOWEST * balance.sign_velocity_rad_s * balance.interval_s;
+            self.travel.close(&mut sums.travel, slowest);
         }
-        let frictions = constants.balance.frictions(&now);
-        self.balance.step(&mut sums.balance, (&constants.balance, has_load), &now, &frictions, clean);
-        if orders > 0 {
-            let tracking = &constants.tracking;
-            let p = self.balance.present();
-            let residual = self.residual.step(&constants.balance, &tracking.blocks, p, &now, &frictions, clean);
-            self.orders.step(&mut sums.orders, tracking, turned, (harmonics, residual));
+        let frictions = balance.frictions(now);
+        self.balance.step(&mut sums.balance, (balance, has_load), now, &frictions, clean);
+        if layout.orders == 0 {
+            return None;
         }
+        let (blocks, p) = (&constants.tracking.blocks, self.balance.present());
+        Some((turned, self.residual.step(balance, blocks, p, now, &frictions, clean)))
     }
 
     /// The mean velocity since the last good sample. Over lost samples the shaft may turn more than half a turn: the
@@ -270,16 +326,16 @@ impl<P: Plan> Shaft<P> {
         }
     }
 
-    /// Counts a sample that only fills the ring; with the last of them the filters start.
+    /// Counts a step that only fills the ring; with the last of them the filters start.
     #[cold]
     #[inline(never)]
-    fn fill(&mut self, constants: &ShaftConstants<P>, now: &Torques) {
+    fn fill(&mut self, decimation: u8, constants: &ShaftConstants<P>, now: &Torques) {
         self.filling = self.filling.saturating_sub(1);
         if self.filling == 0 {
             self.balance.start(&constants.balance, now);
             self.residual = ResidualState::new();
             // A sample lost meanwhile is still in the delays.
-            self.spoilt = self.spoilt.max(1);
+            self.spoilt = self.spoilt.max(decimation);
         }
     }
 
@@ -295,6 +351,14 @@ impl<P: Plan> Shaft<P> {
         newer + delay.part * (older - newer)
     }
 
+    /// The signal behind the half-band filter.
+    #[inline(always)]
+    fn filtered(&self, delay: Delay, pick: impl Fn(&Moment) -> f32) -> f32 {
+        let oldest = self.place.wrapping_sub(delay.whole).wrapping_sub(BEFORE) % RING;
+        let moments = self.ring.get(oldest as usize..).and_then(<[Moment]>::first_chunk::<TAPS>);
+        moments.map_or(0.0, |moments| half_band(moments.each_ref().map(pick), delay.part))
+    }
+
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "a part of the angle between two samples, which is an i32")]
     fn angle_back(&self, delay: Delay) -> Angle {
@@ -308,6 +372,7 @@ impl<P: Plan> Shaft<P> {
     pub fn next_segment(&mut self) {
         self.balance.next_segment();
         self.orders.next_segment();
+        self.taken = None;
     }
 
     /// Starts afresh as if nothing had been sampled, in place: a new one would be moved.
@@ -316,15 +381,18 @@ impl<P: Plan> Shaft<P> {
         self.next_segment();
         self.balance.renew(&constants.balance);
         self.orders.renew();
-        // What the ring held is not trusted: a sample that is lost next would be replaced by it.
-        self.ring = [Moment::default(); RING as usize];
-        // Samples that fill the ring start filters and travel.
-        (self.filling, self.lost, self.spoilt) = (FILLING, 0, 0);
+        // The last sample is not trusted: one that is lost next would be replaced by it. Those before it are not read.
+        if let Some(last) = self.ring.get_mut(self.place as usize) {
+            *last = Moment::default();
+        }
+        // Steps that fill the ring start filters and travel.
+        (self.filling, self.lost, self.spoilt, self.is_between) = (FILLING, 0, 0, false);
     }
 }
 
-/// Samples until the ring is full, and the sample that starts the filters.
-const FILLING: u8 = RING + 1;
+/// Steps until all that is read of the ring is measured, and the step that starts the filters: 8 samples of the longest
+/// lag, or 16 of it behind the half-band filter.
+const FILLING: u8 = 9;
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -18,6 +18,7 @@ crate::plan! {
             load: None,
             orders: 1,
             harmonics: 3,
+            decimation: 1,
         }),
         features: 1,
         coordinates: 1,

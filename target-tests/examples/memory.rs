@@ -37,6 +37,7 @@ macro_rules! bytes {
                     load: Some(load_nm),
                     orders: $orders,
                     harmonics: 3,
+                    decimation: 1,
                 }),
                 features: 9,
                 coordinates: 3,

@@ -32,6 +32,7 @@ bearing_watch::plan! {
             load: Some(load_torque_nm),
             orders: 4,
             harmonics: 3,
+            decimation: 1,
         }),
         features: 3,
         coordinates: 3,

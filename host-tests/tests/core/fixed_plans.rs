@@ -173,6 +173,7 @@ bearing_watch::plan! {
             load: Some(load_nm),
             orders: 3,
             harmonics: 3,
+            decimation: 1,
         }),
         features: 5,
         coordinates: 3,
@@ -193,6 +194,7 @@ bearing_watch::plan! {
             load: None,
             orders: 0,
             harmonics: 1,
+            decimation: 1,
         }),
         features: 2,
         coordinates: 1,
@@ -206,7 +208,7 @@ bearing_watch::plan! {
     struct Resolver;
     struct ResolverSample with angle { current_a: "A" }
     layout: Layout {
-        shaft: Some(ShaftLayout { current: current_a, velocity: None, load: None, orders: 0, harmonics: 1 }),
+        shaft: Some(ShaftLayout { current: current_a, velocity: None, load: None, orders: 0, harmonics: 1, decimation: 1 }),
         features: 2,
         coordinates: 1,
         classes: 1,

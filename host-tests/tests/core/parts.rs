@@ -31,6 +31,7 @@ bearing_watch::plan! {
             load: None,
             orders: 3,
             harmonics: 3,
+            decimation: 1,
         }),
         features: 3,
         coordinates: 3,

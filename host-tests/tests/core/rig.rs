@@ -101,7 +101,7 @@ pub fn model_of_angle(lags: Lags, segment_samples: u32) -> Model<RunTime> {
 fn of_signals(signals: [Option<Signal>; 3], limits: &[f32], lags: Lags, segment_samples: u32) -> Model<RunTime> {
     let [current, velocity, load] = signals;
     let current = current.expect("a current");
-    let watched = ShaftLayout { current, velocity, load, orders: 3, harmonics: 3 };
+    let watched = ShaftLayout { current, velocity, load, orders: 3, harmonics: 3, decimation: 1 };
     let channels = limits.len() as u8;
     let layout = Layout { channels, shaft: Some(watched), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     let plan = RunTime::of(layout).expect("a plan");
@@ -111,6 +111,22 @@ fn of_signals(signals: [Option<Signal>; 3], limits: &[f32], lags: Lags, segment_
     }
     let features = [Feature::Friction(FrictionTerm::Drag)];
     Model::new(plan, constants(plan, segment_samples, limits, &features, Some(&shaft))).expect("a good model")
+}
+
+/// The same model with a step at each second sample, and the same rates of filter and rows.
+pub fn halved(model: &Model<RunTime>) -> Model<RunTime> {
+    let layout = model.plan().layout();
+    let shaft = layout.shaft.map(|shaft| ShaftLayout { decimation: 2, ..shaft });
+    let plan = RunTime::of(Layout { shaft, ..layout }).expect("a plan");
+    let mut constants = model.constants().clone();
+    for ShaftConstants { balance, .. } in &mut constants.shaft {
+        let cutoff_hz = f64::from(balance.filter.gain).atan() / (std::f64::consts::PI * f64::from(balance.interval_s));
+        balance.interval_s *= 2.0;
+        let half = std::f64::consts::PI * cutoff_hz * f64::from(balance.interval_s);
+        balance.filter = StateVariable::new(half.tan() as f32, balance.interval_s);
+        (balance.row_interval, balance.settle) = (balance.row_interval / 2, balance.settle / 2);
+    }
+    Model::new(plan, constants).expect("a good model")
 }
 
 /// The standard rig with a defect of full size.

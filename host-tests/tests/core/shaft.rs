@@ -10,7 +10,7 @@ use rig::{BearingGeometry, Defect, DefectKind, NoiseSource, Scenario, Stream, si
 mod oracle;
 mod orders;
 
-use crate::rig::{Motion, lag, model, model_of_angle, motions, parameters, run, trace};
+use crate::rig::{Motion, halved, lag, model, model_of_angle, motions, parameters, run, trace};
 
 /// More samples than any of the streams has.
 const OPEN: u32 = 100_000;
@@ -18,9 +18,15 @@ const OPEN: u32 = 100_000;
 /// Friction: f32 sums of a thousand rows keep 0.02 of a deviation. Orders: sines are exact to 2e-5 and parameters of the
 /// residual to 0.02 deviations, which is a thousandth of the noise's phasors.
 fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
-    let load = model.plan().layout().shaft.is_some_and(|shaft| shaft.load.is_some());
+    compare_own(model, motions, what);
+    compare_own(&halved(model), motions, &format!("{what}, each second sample"));
+}
+
+fn compare_own(model: &Model<RunTime>, motions: &[Motion], what: &str) {
+    let layout = model.plan().layout().shaft.expect("watched");
+    let load = layout.load.is_some();
     let constants = &model.constants().shaft[0];
-    let expected = oracle::expected(constants, load, motions);
+    let expected = oracle::expected(constants, (load, layout.decimation.into()), motions);
     let report = run(model, motions);
     let found = report.shaft().expect("watched");
     assert_eq!((found.friction_reason, found.friction.rows as usize), (None, expected.rows), "{what}");

@@ -75,6 +75,7 @@ fn model(rpm: f64, turns: f64, others: &[f64]) -> Model<RunTime> {
         load: None,
         orders: tracking.orders.len() as u8,
         harmonics: 3,
+        decimation: 1,
     };
     let layout = Layout { channels: 2, shaft: Some(watched), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     let plan = RunTime::of(layout).expect("a plan");

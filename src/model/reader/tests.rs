@@ -65,7 +65,7 @@ const LAYOUT: [u8; 37] = [
     1, 2, // instruments, fading
     0, 0xFF, 1, 2, 2, 0xFF, // y, u1 less channel 2, u2
     1, 2, 1, 1, 0xFF, 0xFF, 0xFF, // there is a shaft: current less channel 1, velocity, no load
-    4, 3, // orders, harmonics
+    4, 0x13, // orders, harmonics and decimation less one
     0x05, 0x01, // averaged channels
     9, 2, 6, 1, 5, 3, // features, covariates, coordinates, rising ones, directions, classes
     1, // quadratic
@@ -92,6 +92,7 @@ fn each_byte_of_a_layout_has_its_place() {
             load: None,
             orders: 4,
             harmonics: 3,
+            decimation: 2,
         }),
         averaged: 0x0105,
         features: 9,
@@ -165,7 +166,14 @@ fn small() -> RunTime {
             u1: signal,
             u2: signal,
         }),
-        shaft: Some(ShaftLayout { current: signal, velocity: None, load: None, orders: 1, harmonics: 1 }),
+        shaft: Some(ShaftLayout {
+            current: signal,
+            velocity: None,
+            load: None,
+            orders: 1,
+            harmonics: 1,
+            decimation: 1,
+        }),
         features: 2,
         covariates: 1,
         coordinates: 1,

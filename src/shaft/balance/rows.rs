@@ -29,9 +29,9 @@
 //! n is nominal, s² the variance of the residual and σ₀² that of healthy ones: the precision of p is the sum of that of
 //! the rows, c/σ², and of its own prior. The priors of the other terms and of p₇ stay. c is at least 1/64.
 //!
-//! A row is rotated into the sums one pivot a sample, so that the work is distributed. After every
-//! [`ROWS_A_REFRESH`] rows the time of one row is used for a back substitution, one parameter a sample: the present
-//! parameters then follow the segment. If the nominal parameters fit better than an estimate of a part of a segment,
+//! A row is rotated into the sums one pivot a sample, or more if rows are less than eight samples apart, so that the work
+//! is distributed. After every [`ROWS_A_REFRESH`] rows the time of one row is used for a back substitution, as many
+//! parameters a sample as pivots: the present parameters then follow the segment. If the nominal parameters fit better than an estimate of a part of a segment,
 //! they are kept ([`Balance::own_from_rows`]).
 //!
 //! `cargo xtask measure` prints instructions and state of a detector with it.
@@ -272,7 +272,7 @@ pub struct BalanceState {
     stribeck: Cell,
     /// Samples until the next row.
     due: u16,
-    /// Pivots rotated in at each sample.
+    /// Pivots rotated in at each sample, and parameters of a back substitution.
     pivots: u8,
     /// Rows until the next back substitution.
     refresh: u8,
@@ -337,7 +337,10 @@ impl BalanceState {
         } else {
             (0.0, 0.0)
         };
-        if self.left > 0 {
+        for _ in 0..self.pivots {
+            if self.left == 0 {
+                break;
+            }
             self.substitute(sums, balance, load);
         }
         for _ in 0..self.pivots {

@@ -23,11 +23,11 @@ pub use bearing::Bearing;
 pub use blocks::{Blocks, CONTROLS, TrackedOrder, Tracking, q16};
 #[cfg(feature = "internals")]
 pub use blocks::{LAGS, MIN_BLOCKS};
-pub(crate) use blocks::{MAX_BLOCKS, least_samples};
+pub(crate) use blocks::{MAX_BLOCKS, least_steps};
 pub use slip::OrderStrength;
 pub(super) use {
     noise::NoiseLine,
-    residual::ResidualState,
+    residual::{Residual, ResidualState},
     slip::{Search, SlipRange},
-    tracking::{OrderSums, OrderTracking},
+    tracking::{OrderSums, OrderTracking, Taken},
 };

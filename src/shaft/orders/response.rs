@@ -10,7 +10,8 @@
 //! ```
 //!
 //! (1) is the filter of [`super::residual`] from ρ to y. By the half angle nothing cancels where θ is small. Without a
-//! high-pass, γ = 0, its factors are 1.
+//! high-pass, γ = 0, its factors are 1. Where each second sample is taken, θ is that of two samples, and H has the factor
+//! ½ + ¾ c − ¼ c³ of the half-band filter ((2) of [`delays`](crate::shaft::delays)).
 
 use super::blocks::Blocks;
 use super::phasor::phasor;
@@ -23,11 +24,18 @@ pub(super) struct Response {
 }
 
 impl Response {
-    /// At a turn of θ a sample, counts of 2⁻³² turn.
+    /// At a turn of θ a step, counts of 2⁻³² turn; `halved` if a step is two samples.
     #[inline(never)]
-    pub(super) fn at(blocks: &Blocks, turned: u32) -> Self {
-        let Blocks { pole, high_pass, .. } = *blocks;
+    pub(super) fn at(blocks: &Blocks, turned: u32, halved: bool) -> Self {
         let (c, s) = phasor((turned.cast_signed() >> 1).cast_unsigned());
+        let Self { conjugate: [re, im], power } = Self::of_filter(blocks, c, s);
+        let gain = if halved { 0.5 + c * (0.75 - 0.25 * c * c) } else { 1.0 };
+        Self { conjugate: [gain * re, gain * im], power: gain * gain * power }
+    }
+
+    #[inline(always)]
+    fn of_filter(blocks: &Blocks, c: f32, s: f32) -> Self {
+        let Blocks { pole, high_pass, .. } = *blocks;
         let (square, product) = (2.0 * s * s, 2.0 * s * c);
         let (low_x, low_y) = (1.0 - pole + pole * square, pole * product);
         let low = (1.0 - pole) * (1.0 - pole) + 2.0 * pole * square; // (3)
@@ -73,13 +81,18 @@ mod tests {
                 }
                 let (cos, sin) = ((theta * f64::from(last)).cos(), (theta * f64::from(last)).sin());
                 let h = [now[0] * cos + now[1] * sin, now[1] * cos - now[0] * sin];
-                let response = Response::at(&blocks, ((turns * 4_294_967_296.0) as i32).cast_unsigned());
+                let response = Response::at(&blocks, ((turns * 4_294_967_296.0) as i32).cast_unsigned(), false);
                 let size = h[0].hypot(h[1]);
                 let [re, im] = response.conjugate.map(f64::from);
                 let error = (re - h[0]).hypot(im + h[1]) / size;
                 // The phasor is within 2.1e-5; a pole of 0.97 multiplies the error of a small angle.
                 assert!(error < 2e-4, "{pole} {high_pass} {turns}: {error}");
                 assert!((f64::from(response.power).sqrt() / size - 1.0).abs() < 2e-4, "{pole} {high_pass} {turns}");
+                // A step of two samples: the half-band filter at half the phase.
+                let halved = Response::at(&blocks, ((turns * 4_294_967_296.0) as i32).cast_unsigned(), true);
+                let gain = 0.5 + (9.0 * (0.5 * theta).cos() - (1.5 * theta).cos()) / 16.0;
+                let ratio = (f64::from(halved.power) / f64::from(response.power)).sqrt();
+                assert!((ratio - gain).abs() < 1e-4, "{pole} {high_pass} {turns}: {ratio} {gain}");
             }
         }
     }
@@ -88,7 +101,7 @@ mod tests {
     fn a_block_without_speed_is_finite() {
         for high_pass in [0.0, 0.02] {
             let Response { conjugate: [re, im], power } =
-                Response::at(&Blocks { pole: 0.9, high_pass, ..Blocks::EMPTY }, 0);
+                Response::at(&Blocks { pole: 0.9, high_pass, ..Blocks::EMPTY }, 0, false);
             assert!(re.is_finite() && im == 0.0 && power.is_finite(), "{high_pass}");
         }
     }

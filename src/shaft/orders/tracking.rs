@@ -21,7 +21,7 @@
 //! holds for it, and it is kept as a block that grows by the next part. Products of blocks of backward motion are
 //! conjugated. The noise is estimated from the blocks of the control orders ([`super::noise`]).
 //!
-//! After the end of a part, one order and harmonic a sample closes its block, so that the work is distributed.
+//! After the end of a part, one order and harmonic a step closes its block, so that the work is distributed.
 //! `cargo xtask measure` prints instructions and state.
 
 use super::blocks::{CONTROLS, LAGS, MIN_BLOCKS, PLACES, Tracking};
@@ -70,12 +70,42 @@ impl<P: Plan> Passage<P> {
         }
         self.controls = [[0.0; 2]; CONTROLS];
     }
+
+    /// Adds a step at Θ to the orders.
+    #[inline(always)]
+    fn add_lines(&mut self, tracking: &Tracking<P>, harmonics: u8, turned: i64, product: f32) {
+        let (mut lines, mut orders) = (self.lines.cells_mut(), tracking.orders.cells());
+        while let ([harmonic, rest @ ..], [order, later @ ..]) = (lines, orders) {
+            line::add(harmonic, harmonics, phase(order.order_q16, turned), product);
+            (lines, orders) = (rest, later);
+        }
+    }
+
+    /// Adds a step at Θ to the control orders.
+    #[inline(always)]
+    fn add_controls(&mut self, tracking: &Tracking<P>, turned: i64, product: f32) {
+        for (control, order) in self.controls.iter_mut().zip(tracking.blocks.controls) {
+            let (cos, sin) = phasor(phase(order, turned));
+            accumulate(control, product, cos, sin);
+        }
+    }
 }
 
 /// The `second` part, or the first. Hidden from the compiler, which would choose the place of each sum again.
 #[inline(always)]
 fn part<P: Plan>([one, other]: &mut [Passage<P>; 2], second: bool) -> &mut Passage<P> {
     rolled(if second { other } else { one })
+}
+
+/// A step of which the orders are still to be added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Taken {
+    /// `y g` of (2).
+    product: f32,
+    /// g with the sign of ω, and Δ.
+    excitation: f32,
+    turned: i32,
 }
 
 /// Running state.
@@ -172,7 +202,7 @@ impl<P: Plan> OrderTracking<P> {
         }
     }
 
-    /// Takes a sample: the angle turned since the last one in counts of 2⁻³² turn
+    /// Takes a step: the angle turned since the last one in counts of 2⁻³² turn
     /// ([`Angle::since`](crate::Angle::since)), and the residual, which must be finite.
     #[inline(always)]
     pub(in crate::shaft) fn step(
@@ -182,27 +212,52 @@ impl<P: Plan> OrderTracking<P> {
         turned: i32,
         (harmonics, residual): (u8, Residual),
     ) {
+        let taken = self.advance(turned, residual);
+        let part = part(&mut self.parts, self.second);
+        part.add_lines(tracking, harmonics, self.turned, taken.product);
+        part.add_controls(tracking, self.turned, taken.product);
+        self.close(sums, tracking, (harmonics, false), taken);
+    }
+
+    /// The first half of a step, at its sample: the control orders.
+    #[inline(always)]
+    pub(in crate::shaft) fn take(&mut self, tracking: &Tracking<P>, turned: i32, residual: Residual) -> Taken {
+        let taken = self.advance(turned, residual);
+        part(&mut self.parts, self.second).add_controls(tracking, self.turned, taken.product);
+        taken
+    }
+
+    /// Its second half, at the sample after it: the orders, and what is to be closed.
+    #[inline(always)]
+    pub(in crate::shaft) fn leave(
+        &mut self,
+        sums: &mut OrderSums<P>,
+        tracking: &Tracking<P>,
+        harmonics: u8,
+        taken: Taken,
+    ) {
+        part(&mut self.parts, self.second).add_lines(tracking, harmonics, self.turned, taken.product);
+        self.close(sums, tracking, (harmonics, true), taken);
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, turned: i32, Residual { white, excitation }: Residual) -> Taken {
         self.turned = self.turned.wrapping_add(i64::from(turned));
         self.travelled = self.travelled.wrapping_add(u64::from(turned.unsigned_abs()));
-        let Residual { white, excitation } = residual;
-        let product = white * excitation;
         let square = excitation * excitation;
         self.excited.square += square;
         self.excited.turned += square * turned as f32;
-        let part = part(&mut self.parts, self.second);
-        let (mut lines, mut orders) = (part.lines.cells_mut(), tracking.orders.cells());
-        while let ([harmonic, rest @ ..], [order, later @ ..]) = (lines, orders) {
-            line::add(harmonic, harmonics, phase(order.order_q16, self.turned), product);
-            (lines, orders) = (rest, later);
-        }
-        for (control, order) in part.controls.iter_mut().zip(tracking.blocks.controls) {
-            let (cos, sin) = phasor(phase(order, self.turned));
-            accumulate(control, product, cos, sin);
-        }
+        Taken { product: white * excitation, excitation, turned }
+    }
+
+    /// Closes an item, or finds the end of a part.
+    #[inline(always)]
+    fn close(&mut self, sums: &mut OrderSums<P>, tracking: &Tracking<P>, lines: (u8, bool), taken: Taken) {
         if self.closing != IDLE {
-            self.close_next(sums, harmonics, tracking);
+            self.close_next(sums, lines, tracking);
             return;
         }
+        let Taken { excitation, turned, .. } = taken;
         let reversed = excitation * self.excitation < 0.0;
         if excitation != 0.0 {
             self.excitation = excitation;
@@ -244,7 +299,7 @@ impl<P: Plan> OrderTracking<P> {
 
     /// Closes one item.
     #[inline(never)]
-    fn close_next(&mut self, sums: &mut OrderSums<P>, harmonics: u8, tracking: &Tracking<P>) {
+    fn close_next(&mut self, sums: &mut OrderSums<P>, (harmonics, halved): (u8, bool), tracking: &Tracking<P>) {
         let (item, harmonics) = (self.closing as usize, harmonics as usize);
         let lines = self.lines.cells().len();
         let control = item.wrapping_sub(lines.wrapping_mul(harmonics));
@@ -255,7 +310,7 @@ impl<P: Plan> OrderTracking<P> {
             None => (tracking.blocks.controls.get(control).copied().unwrap_or(0), 1),
         };
         let turned = i64::from(self.closing_turned).wrapping_mul(times as i64);
-        let response = Response::at(&tracking.blocks, phase(order, turned));
+        let response = Response::at(&tracking.blocks, phase(order, turned), halved);
         let weight = response.power * self.closing_square; // (3)
         let (held, place) = ((self.held as usize).min(LAGS), self.place_of_block());
         let part = part(&mut self.parts, !self.second);

@@ -4,9 +4,10 @@ use crate::shaft::{Blocks, ShaftSolve, StateVariable, TrackedOrder};
 use std::vec;
 
 /// Current, velocity, load.
-fn plan() -> RunTime {
+fn plan(decimation: u8) -> RunTime {
     let [current, velocity, load] = [0, 1, 2].map(Signal::channel);
-    let shaft = ShaftLayout { current, velocity: Some(velocity), load: Some(load), orders: 0, harmonics: 1 };
+    let shaft =
+        ShaftLayout { current, velocity: Some(velocity), load: Some(load), orders: 0, harmonics: 1, decimation };
     let layout = Layout { channels: 3, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     RunTime::of(layout).unwrap()
 }
@@ -30,15 +31,18 @@ pub fn balance() -> Balance {
     }
 }
 
-fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
-    let balance = balance();
+fn constants(current_lag: f32, decimation: u8) -> ShaftConstants<RunTime> {
+    let each = balance();
+    let halved =
+        Balance { interval_s: 0.002, filter: StateVariable::new(0.1, 0.002), row_interval: 2, settle: 25, ..each };
+    let balance = if decimation == 2 { halved } else { each };
     let tracking = Tracking { orders: vec![], blocks: Blocks::EMPTY };
     ShaftConstants { lags: Lags { current: current_lag, ..Lags::default() }, balance, tracking }
 }
 
 /// The friction of a shaft whose current lags by `lag` samples.
-fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Friction, Reason> {
-    let (plan, constants) = (plan(), constants(current_lag));
+fn friction(lag: f64, current_lag: f32, decimation: u8, good: impl Fn(u32) -> bool) -> Result<Friction, Reason> {
+    let (plan, constants) = (plan(decimation), constants(current_lag, decimation));
     let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
     let signals = |t: f64| {
         let w = 30.0 * (4.0 * t).sin() + 8.0 * (17.0 * t).sin();
@@ -60,36 +64,38 @@ fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Fr
 
 #[test]
 fn the_lag_of_the_current_is_compensated() {
-    for lag in [0.0, 1.0, 1.5, 2.5] {
-        let friction = friction(lag, lag as f32, |_| true).unwrap();
+    for (lag, decimation) in [0.0, 1.0, 1.5, 2.5].into_iter().flat_map(|lag| [(lag, 1), (lag, 2)]) {
+        let friction = friction(lag, lag as f32, decimation, |_| true).unwrap();
         // Linear interpolation over a sample: (17 · 0.001)²/8 of the signal; the filter's derivative is 2e-5.
-        assert!((friction.drag.value / 0.21 - 1.0).abs() < 5e-3, "{lag}: {friction:?}");
-        assert!((friction.inertia.value / 0.006 - 1.0).abs() < 5e-3, "{lag}: {friction:?}");
+        assert!((friction.drag.value / 0.21 - 1.0).abs() < 5e-3, "{lag} {decimation}: {friction:?}");
+        assert!((friction.inertia.value / 0.006 - 1.0).abs() < 5e-3, "{lag} {decimation}: {friction:?}");
     }
     // A lag of 2.5 ms that is not compensated turns the rate of the velocity into friction.
-    let blind = friction(2.5, 0.0, |_| true).unwrap();
+    let blind = friction(2.5, 0.0, 1, |_| true).unwrap();
     assert!((blind.viscous.value / 0.003 - 1.0).abs() > 0.3, "{blind:?}");
 }
 
 #[test]
 fn after_a_gap_filters_start_anew() {
-    let whole = friction(0.0, 0.0, |_| true).unwrap();
-    let gap = friction(0.0, 0.0, |k| !(2000..2010).contains(&k)).unwrap();
-    // Ten samples, the ring and the settling are withheld, a row every fourth sample.
-    let missing = (10 + u32::from(FILLING) + 51) / 4;
-    assert!((missing - 1..=missing + 1).contains(&(whole.rows - gap.rows)), "{} {}", whole.rows, gap.rows);
-    assert!((gap.drag.value / whole.drag.value - 1.0).abs() < 2e-3, "{gap:?}");
+    for decimation in [1, 2] {
+        let whole = friction(0.0, 0.0, decimation, |_| true).unwrap();
+        let gap = friction(0.0, 0.0, decimation, |k| !(2000..2010).contains(&k)).unwrap();
+        // Ten samples, the ring and the settling are withheld, a row every fourth sample.
+        let missing = (10 + u32::from(FILLING * decimation) + 51) / 4;
+        assert!((missing - 1..=missing + 1).contains(&(whole.rows - gap.rows)), "{} {}", whole.rows, gap.rows);
+        assert!((gap.drag.value / whole.drag.value - 1.0).abs() < 2e-3, "{gap:?}");
+    }
 }
 
 #[test]
 fn nothing_sampled_is_a_reason() {
-    let reason = friction(0.0, 0.0, |_| false);
+    let reason = friction(0.0, 0.0, 1, |_| false);
     assert_eq!(reason, Err(Reason::ShortSegment { rows: 0 }));
 }
 
 #[test]
 fn a_turn_within_lost_samples_is_counted() {
-    let mut shaft = Shaft::new(plan(), &constants(0.0));
+    let mut shaft = Shaft::new(plan(1), &constants(0.0, 1));
     shaft.lost = 5;
     // 300 rad/s for six samples of 2 ms: 3.6 rad, more than half a turn.
     for (velocity_rad_s, held) in [(300.0, 290.0), (-300.0, -290.0), (40.0, 60.0)] {
@@ -104,7 +110,7 @@ fn a_turn_within_lost_samples_is_counted() {
 
 #[test]
 fn eight_lost_samples_in_a_row_are_bridged_and_nine_are_not() {
-    let (plan, constants) = (plan(), constants(0.0));
+    let (plan, constants) = (plan(1), constants(0.0, 1));
     let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
     let sample = RunTimeSample { values: vec![1.0, 20.0, 0.1], ..RunTimeSample::default() };
     for _ in 0..20 {
@@ -119,10 +125,14 @@ fn eight_lost_samples_in_a_row_are_bridged_and_nine_are_not() {
 
 #[test]
 fn a_renewed_shaft_is_a_new_one() {
-    let layout = plan().layout();
+    [1, 2].into_iter().for_each(renewed_is_new);
+}
+
+fn renewed_is_new(decimation: u8) {
+    let layout = plan(decimation).layout();
     let shaft = layout.shaft.map(|shaft| ShaftLayout { orders: 1, harmonics: 3, ..shaft });
     let plan = RunTime::of(Layout { shaft, ..layout }).unwrap();
-    let mut constants = constants(1.5);
+    let mut constants = constants(1.5, decimation);
     constants.tracking.orders = vec![TrackedOrder::new(3.7, [1.0; 3])];
     let signal = |k: u32| {
         let t = f64::from(k) * 0.001;
@@ -145,4 +155,41 @@ fn a_renewed_shaft_is_a_new_one() {
         step(&mut new, k);
     }
     assert_eq!(renewed.1, new.1);
+}
+
+#[test]
+fn no_order_contains_what_replaces_a_lost_sample() {
+    for (at, lag, whole) in [(500, 0.0, 0), (501, 0.0, 0), (500, 4.6, 4), (501, 5.0, 5)] {
+        let layout = plan(2).layout();
+        let shaft = layout.shaft.map(|shaft| ShaftLayout { orders: 1, harmonics: 3, ..shaft });
+        let plan = RunTime::of(Layout { shaft, ..layout }).unwrap();
+        let mut constants = constants(lag, 2);
+        constants.tracking.orders = vec![TrackedOrder::new(3.7, [1.0; 3])];
+        // The balance's filters remember the sample, the nominal parameters do not.
+        constants.balance.own_from_rows = u16::MAX;
+        let sums = |held: f32| {
+            let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
+            for k in 0..600_u32 {
+                let t = k as f32 * 0.001;
+                let values = vec![(3.0 * t).sin(), 30.0, 0.1];
+                let sample = RunTimeSample { values, angle: Angle::from_radians(30.0 * t) };
+                shaft.step(&mut sums, plan, &constants, (&sample, k != at));
+                if k == at {
+                    let place = usize::from(shaft.place);
+                    for cell in [place, place + usize::from(RING)] {
+                        if let Some(moment) = shaft.ring.get_mut(cell) {
+                            moment.torques.current_a += held;
+                        }
+                    }
+                }
+            }
+            sums
+        };
+        let (same, other) = (sums(0.0), sums(7.0));
+        assert_eq!(same.orders, other.orders, "{at} {lag}");
+        // From the lost sample on a step reads it for 8 samples and the lag, and the next one its residual.
+        let missing = 300 - u32::from(FILLING) - 1 - same.usage.used;
+        let expected = (8 + whole + 2) / 2;
+        assert!((expected..=expected + 1).contains(&missing), "{at} {lag}: {missing}");
+    }
 }

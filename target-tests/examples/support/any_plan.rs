@@ -80,6 +80,7 @@ fn layout(dice: &mut Dice) -> Layout {
         load: (dice.below(3) > 0).then_some(load),
         orders: below(dice, 5),
         harmonics: 1 + below(dice, 3),
+        decimation: 1 + below(dice, 2),
     });
     let coordinates = 1 + below(dice, 3);
     Layout {

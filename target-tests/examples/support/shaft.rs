@@ -34,6 +34,7 @@ bearing_watch::plan! {
             load: Some(load_nm),
             orders: 4,
             harmonics: 3,
+            decimation: 2,
         }),
         features: 9,
         coordinates: 3,
@@ -58,6 +59,7 @@ bearing_watch::plan! {
             load: None,
             orders: 1,
             harmonics: 1,
+            decimation: 1,
         }),
         features: 9,
         coordinates: 3,
@@ -100,6 +102,10 @@ pub const BALANCE: Balance = Balance {
     own_from_rows: 48,
 };
 
+/// The torque balance of each second sample, with a filter of 4 Hz and the same steps from row to row.
+pub const HALVED: Balance =
+    Balance { interval_s: 2.0 * INTERVAL_S, filter: StateVariable::new(0.050_307, 2.0 * INTERVAL_S), ..BALANCE };
+
 /// The orders of outer ring, inner ring, ball and cage, all harmonics with the same weight.
 pub const ORDERS: [TrackedOrder; 4] = [
     TrackedOrder::new(3.717_94, [1.0; 3]),
@@ -134,7 +140,7 @@ pub static MODEL: Model<Watched> = match Watched::model(Constants {
     }],
     shaft: [ShaftConstants {
         lags: Lags { current: 0.7, velocity: 0.0, load: 0.0 },
-        balance: BALANCE,
+        balance: HALVED,
         tracking: Tracking { orders: ORDERS, blocks: BLOCKS },
     }],
     classifier: classifier!(

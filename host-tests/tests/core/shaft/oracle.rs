@@ -20,7 +20,7 @@ pub struct Expected {
     pub orders: Vec<Order>,
 }
 
-/// The sample from which the filters run: the core's delay line is full.
+/// The step from which the filters run: the core's delay line is full.
 const START: usize = 8;
 /// Rows between two refreshments of the parameters.
 const REFRESH: usize = 16;
@@ -44,13 +44,29 @@ fn filtered(x: &[f64], g: f64, interval_s: f64) -> (Vec<f64>, Vec<f64>) {
     (run([low, 2.0 * low, low], x[0]), run([slope, 0.0, -slope], 0.0))
 }
 
-/// x from [`START`] on, delayed by that number of samples, with linear interpolation between samples.
-fn delayed(x: &[f64], by: f64) -> Vec<f64> {
-    let (whole, part) = (by.floor() as usize, by.fract());
-    (START..x.len()).map(|k| x[k - whole] * (1.0 - part) + x[k - whole - 1] * part).collect()
+/// The sample of a step: of each second sample, the first is between two steps.
+fn sample(step: usize, decimation: usize) -> usize {
+    step * decimation + decimation - 1
 }
 
-/// Signals from [`START`] on, all delayed to the slowest one, and the friction terms.
+/// The samples of all steps from [`START`] on.
+fn samples(x: usize, decimation: usize) -> impl Iterator<Item = usize> {
+    (sample(START, decimation)..x).step_by(decimation)
+}
+
+/// x at each step, delayed by that number of samples, with linear interpolation between samples; of each second sample
+/// behind the binomial half-band filter.
+fn delayed(x: &[f64], by: f64, decimation: usize) -> Vec<f64> {
+    let (whole, part) = (by.floor() as usize, by.fract());
+    let halved = |k: usize| (0..7).map(|j| HALF_BAND[j] * x[k - j]).sum::<f64>();
+    let at = |k: usize| if decimation == 1 { x[k] } else { halved(k) };
+    samples(x.len(), decimation).map(|k| at(k - whole) * (1.0 - part) + at(k - whole - 1) * part).collect()
+}
+
+/// The maximally flat half-band filter of seven coefficients.
+const HALF_BAND: [f64; 7] = [-1.0 / 32.0, 0.0, 9.0 / 32.0, 0.5, 9.0 / 32.0, 0.0, -1.0 / 32.0];
+
+/// Signals at each step from [`START`] on, all delayed to the slowest one, and the friction terms.
 struct Signals {
     i: Vec<f64>,
     w: Vec<f64>,
@@ -60,11 +76,11 @@ struct Signals {
 }
 
 impl Signals {
-    fn new(balance: &Balance, lags: Lags, motions: &[Motion]) -> Self {
+    fn new(balance: &Balance, lags: Lags, motions: &[Motion], decimation: usize) -> Self {
         let longest = lags.current.max(lags.velocity).max(lags.load);
         let later = |pick: fn(&Motion) -> f32, lag: f32| {
             let column: Vec<f64> = motions.iter().map(|m| f64::from(pick(m))).collect();
-            delayed(&column, f64::from(longest - lag))
+            delayed(&column, f64::from(longest - lag), decimation)
         };
         let (i, w) = (later(|m| m.current_a, lags.current), later(|m| m.velocity_rad_s, lags.velocity));
         let t = later(|m| m.load_nm, lags.load);
@@ -129,9 +145,13 @@ impl Squares {
 }
 
 /// A stream without refused samples.
-pub fn expected(constants: &ShaftConstants<RunTime>, load: bool, motions: &[Motion]) -> Expected {
+pub fn expected(
+    constants: &ShaftConstants<RunTime>,
+    (load, decimation): (bool, usize),
+    motions: &[Motion],
+) -> Expected {
     let ShaftConstants { lags, balance, tracking } = constants;
-    let signals = Signals::new(balance, *lags, motions);
+    let signals = Signals::new(balance, *lags, motions, decimation);
     let terms: Vec<usize> = (0..TERMS).filter(|term| load || ![3, 5].contains(term)).collect();
     let (squares, present) = rows(balance, &terms, &signals);
     let (p, inverse, rest) = squares.solve();
@@ -147,8 +167,8 @@ pub fn expected(constants: &ShaftConstants<RunTime>, load: bool, motions: &[Moti
     let all = drag_weights(balance);
     let weights = DVector::from_iterator(terms.len(), terms.iter().map(|&term| all[term]));
     parameters.push((weights.dot(&p), weights.dot(&(&covariance * &weights)).sqrt()));
-    let path = path(constants, &signals, motions, &present);
-    Expected { parameters, of_rows, variance, rows: squares.rows, orders: expected_orders(tracking, &path) }
+    let path = path(constants, &signals, (motions, decimation), &present);
+    Expected { parameters, of_rows, variance, rows: squares.rows, orders: expected_orders(tracking, &path, decimation) }
 }
 
 /// What a unit of each parameter adds to the friction at the usual velocity and load.
@@ -158,7 +178,7 @@ pub fn drag_weights(balance: &Balance) -> [f64; TERMS] {
     [0.0, speed, 1.0, 0.0, 0.0, load, stribeck.powi(2) / (stribeck.powi(2) + speed.powi(2))]
 }
 
-/// All rows of a stream, and the parameters that hold at each of its samples.
+/// All rows of a stream, and the parameters that hold at each of its steps.
 fn rows(balance: &Balance, terms: &[usize], signals: &Signals) -> (Squares, Vec<[f64; TERMS]>) {
     let (g, ts) = (f64::from(balance.filter.gain), f64::from(balance.interval_s));
     let Signals { i, w, t, frictions: [s, loaded, stribeck] } = signals;
@@ -185,15 +205,21 @@ fn rows(balance: &Balance, terms: &[usize], signals: &Signals) -> (Squares, Vec<
         } else if balance.own_from_rows < u16::MAX && squares.rows >= usize::from(balance.own_from_rows) {
             let mut p = now;
             terms.iter().zip(squares.solve().0.iter()).for_each(|(&term, value)| p[term] = *value);
-            // One parameter a sample.
-            next = Some((k + terms.len(), p));
+            // So many parameters a step that all are known before the next row.
+            let a_step = 8_usize.div_ceil(balance.row_interval.into());
+            next = Some((k + terms.len().div_ceil(a_step), p));
         }
     }
     (squares, present)
 }
 
-/// Way turned, whitened residual and excitation of each sample after the first.
-fn path(constants: &ShaftConstants<RunTime>, signals: &Signals, motions: &[Motion], present: &[[f64; TERMS]]) -> Path {
+/// Way turned, whitened residual and excitation of each step after the first.
+fn path(
+    constants: &ShaftConstants<RunTime>,
+    signals: &Signals,
+    (motions, decimation): (&[Motion], usize),
+    present: &[[f64; TERMS]],
+) -> Path {
     let ShaftConstants { lags, balance, tracking } = constants;
     let Signals { i, w, t, frictions: [s, loaded, stribeck] } = signals;
     let (ts, slowest) = (f64::from(balance.interval_s), f64::from(tracking.blocks.slowest_rad_s));
@@ -201,16 +227,21 @@ fn path(constants: &ShaftConstants<RunTime>, signals: &Signals, motions: &[Motio
         let p = &present[k];
         i[k] - p[1] * w[k] - p[2] * s[k] - p[3] * t[k] - p[4] - p[5] * loaded[k] - p[6] * stribeck[k]
     };
-    let longest = lags.current.max(lags.velocity).max(lags.load) + 0.5;
+    // The middle of the last interval; the half-band filter is three samples late.
+    let late = if decimation == 1 { 0.5 } else { 4.0 };
+    let longest = lags.current.max(lags.velocity).max(lags.load) + late;
     let (whole, part) = (longest.floor() as usize, longest.fract());
     // To the bit as in the core, since a block ends where the angle passes the end of a cell.
     let angle = |k: usize| {
-        let (newer, older) = (motions[k + START - whole].angle, motions[k + START - whole - 1].angle);
+        let k = sample(k + START, decimation) - whole;
+        let (newer, older) = (motions[k].angle, motions[k - 1].angle);
         newer.bits().wrapping_add_signed((part * older.since(newer) as f32) as i32)
     };
     let mut path = Path::default();
     let (mut turned, mut filtered, mut slow) = (0_i64, 0.0, 0.0);
-    for k in 1..i.len() {
+    // The orders of a step are added at the sample after it.
+    let steps = (1..i.len()).take_while(|k| sample(k + START, decimation) + decimation - 1 < motions.len());
+    for k in steps {
         turned += i64::from(angle(k).wrapping_sub(angle(k - 1)).cast_signed());
         let mean = (w[k] + w[k - 1]) / 2.0;
         let x = (mean.abs() / slowest - 1.0).clamp(0.0, 1.0);

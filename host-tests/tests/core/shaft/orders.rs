@@ -14,7 +14,7 @@ const TURN: f64 = 4_294_967_296.0;
 const HARMONICS: usize = 3;
 const LAGS: usize = 6;
 
-/// What the orders are computed from, a number a sample.
+/// What the orders are computed from, a number a step.
 #[derive(Debug, Default)]
 pub struct Path {
     /// Turned since the start, counts of 2⁻³² turn.
@@ -77,20 +77,26 @@ fn parts(path: &Path, cell_turns: f64, items: usize) -> Vec<Part> {
     parts
 }
 
-/// The response of the residual's filter at an angle of θ a sample.
-fn response(pole: f64, high_pass: f64, theta: f64) -> Complex<f64> {
+/// The filters of the residual: pole, pole of the high-pass, and samples from step to step.
+#[derive(Clone, Copy)]
+struct Filters {
+    pole: f64,
+    high_pass: f64,
+    decimation: usize,
+}
+
+/// The response of the residual's filter at an angle of θ a step; of each second sample, with that of its half-band
+/// filter.
+fn response(Filters { pole, high_pass, decimation }: Filters, theta: f64) -> Complex<f64> {
     let z = Complex::from_polar(1.0, -theta);
+    let of_samples = 0.5 + (9.0 * (theta / 2.0).cos() - (1.5 * theta).cos()) / 16.0;
+    let half_band = if decimation == 1 { 1.0 } else { of_samples };
     let high = if high_pass > 0.0 { (1.0 - z) / (1.0 - z * (1.0 - high_pass)) } else { 1.0.into() };
-    high / (1.0 - z * pole)
+    high / (1.0 - z * pole) * half_band
 }
 
 /// b and W of the parts that close `after` samples after their last one, within the record.
-fn blocks(
-    path: &Path,
-    (order, pole, high_pass): (f64, f64, f64),
-    parts: &[Part],
-    after: usize,
-) -> Vec<(Complex<f64>, f64)> {
+fn blocks(path: &Path, (order, filters): (f64, Filters), parts: &[Part], after: usize) -> Vec<(Complex<f64>, f64)> {
     let closed = parts.iter().filter(|part| part.samples.end + after <= path.turned.len());
     let of = |part: &Part| {
         let (mut sum, mut square, mut way) = (Complex::new(0.0, 0.0), 0.0, 0.0);
@@ -104,7 +110,7 @@ fn blocks(
         if square == 0.0 {
             return (Complex::new(0.0, 0.0), 0.0);
         }
-        let response = response(pole, high_pass, TAU * order * way / square / TURN);
+        let response = response(filters, TAU * order * way / square / TURN);
         (response.conj() * sum, response.norm_sqr() * square)
     };
     closed.map(of).collect()
@@ -170,15 +176,15 @@ fn taper(d: usize) -> f64 {
 }
 
 /// The orders of a record.
-pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
+pub fn expected(tracking: &Tracking<RunTime>, path: &Path, decimation: usize) -> Vec<Expected> {
     let shape = &tracking.blocks;
     let cell_turns = f64::from(shape.cell_turns_log2).exp2();
-    let (pole, high_pass) = (f64::from(shape.pole), f64::from(shape.high_pass));
+    let filters = Filters { pole: shape.pole.into(), high_pass: shape.high_pass.into(), decimation };
     let items = tracking.orders.len() * HARMONICS;
     let parts = parts(path, cell_turns, items);
     let noise = |(c, order): (usize, &i32)| {
         let order = f64::from(*order) / 65_536.0;
-        let blocks = whole(&parts, &blocks(path, (order, pole, high_pass), &parts, 1 + items + c)).into_iter();
+        let blocks = whole(&parts, &blocks(path, (order, filters), &parts, 1 + items + c)).into_iter();
         let roots: Vec<f64> = blocks.filter(|(_, w)| *w > 0.0).map(|(b, w)| (b.norm_sqr() / w).powf(0.25)).collect();
         [order.ln(), 4.0 * (roots.iter().sum::<f64>() / roots.len() as f64 / GAMMA).ln(), roots.len() as f64]
     };
@@ -204,7 +210,7 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
     let lines = tracking.orders.iter().enumerate().map(|(line, order)| {
         let harmonic = |h: usize| {
             let own = (h + 1) as f64 * f64::from(order.order_q16) / 65_536.0;
-            Harmonic::new(&blocks(path, (own, pole, high_pass), &parts, 1 + line * HARMONICS + h), &parts)
+            Harmonic::new(&blocks(path, (own, filters), &parts, 1 + line * HARMONICS + h), &parts)
         };
         let sums: [Harmonic; HARMONICS] = std::array::from_fn(harmonic);
         strength(order, &sums, (&variance, &uncertain), (cell_turns, f64::from(shape.slip)))

@@ -26,7 +26,14 @@ const POLE: f32 = 0.9;
 
 fn plan() -> RunTime {
     let signal = Signal::channel;
-    let shaft = ShaftLayout { current: signal(0), velocity: Some(signal(1)), load: None, orders: 1, harmonics: 3 };
+    let shaft = ShaftLayout {
+        current: signal(0),
+        velocity: Some(signal(1)),
+        load: None,
+        orders: 1,
+        harmonics: 3,
+        decimation: 1,
+    };
     RunTime::of(Layout { channels: 2, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY })
         .unwrap()
 }

@@ -85,5 +85,5 @@ pub(super) fn layout(plan: &ShaftPlan, wiring: &Wiring) -> Result<ShaftLayout, E
     let missing = || Error::Training("the channels of the shaft are not wired".into());
     let ShaftSignals { current, velocity, load } = wiring.shaft.ok_or_else(missing)?;
     let (orders, harmonics) = (plan.orders.len() as u8, harmonics(&plan.weights));
-    Ok(ShaftLayout { current, velocity, load, orders, harmonics })
+    Ok(ShaftLayout { current, velocity, load, orders, harmonics, decimation: plan.decimation })
 }

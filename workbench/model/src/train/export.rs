@@ -168,7 +168,7 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
         }
         out.line(2, "}),");
     }
-    if let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = layout.shaft {
+    if let Some(ShaftLayout { current, velocity, load, orders, harmonics, decimation }) = layout.shaft {
         out.line(2, "shaft: Some(ShaftLayout {");
         out.line(3, &format!("current: {},", signal(current)));
         for (name, measured) in [("velocity", velocity), ("load", load)] {
@@ -177,6 +177,7 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
         }
         out.line(3, &format!("orders: {orders},"));
         out.line(3, &format!("harmonics: {harmonics},"));
+        out.line(3, &format!("decimation: {decimation},"));
         out.line(2, "}),");
     }
     let Layout { averaged, features, covariates, coordinates, rising, directions, classes, discriminant, .. } = layout;

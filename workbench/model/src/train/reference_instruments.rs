@@ -44,8 +44,8 @@ struct Sums {
 
 /// Replaces the nominal parameters that do not belong to the load by (2), and the offset by the median of o. Returns
 /// whether a record has a reference that moves the shaft; without one, nothing changes.
-pub(super) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], cutoff_hz: f64) -> bool {
-    let records: Vec<Sums> = healthy.par_iter().filter_map(|motion| sums(motion, balance, cutoff_hz)).collect();
+pub(super) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], rates: (f64, u8)) -> bool {
+    let records: Vec<Sums> = healthy.par_iter().filter_map(|motion| sums(motion, balance, rates)).collect();
     if records.is_empty() {
         return false;
     }
@@ -68,11 +68,11 @@ pub(super) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], cutoff_hz
 }
 
 /// The sums of a record; `None` if it has no reference, one that does not move, or too few rows.
-fn sums(motion: &MotionTrace, balance: &Balance, cutoff_hz: f64) -> Option<Sums> {
+fn sums(motion: &MotionTrace, balance: &Balance, (cutoff_hz, decimation): (f64, u8)) -> Option<Sums> {
     if motion.reference_rad_s.is_empty() {
         return None;
     }
-    let interval_s = f64::from(balance.interval_s);
+    let interval_s = f64::from(balance.interval_s) / f64::from(decimation);
     let filter = LowPass::butterworth(1, cutoff_hz * interval_s);
     let columns = |velocity: &[f64]| -> Columns {
         let term = |each: fn(&Balance, f64) -> f64| {
@@ -84,8 +84,9 @@ fn sums(motion: &MotionTrace, balance: &Balance, cutoff_hz: f64) -> Option<Sums>
     let [current, velocity, reference] =
         [&motion.current_a, &motion.velocity_rad_s, &motion.reference_rad_s].map(|signal| bridged(signal));
     let (i, moved, asked) = (filter.forward(&current), columns(&velocity), columns(&reference));
+    let samples = |steps: u16| usize::from(steps) * usize::from(decimation);
     let rows: Vec<usize> =
-        (usize::from(balance.settle)..i.len()).step_by(usize::from(balance.row_interval).max(1)).collect();
+        (samples(balance.settle)..i.len()).step_by(samples(balance.row_interval.into()).max(1)).collect();
     if rows.len() < FEWEST {
         return None;
     }
@@ -163,12 +164,12 @@ mod tests {
         let current_a = velocity.iter().enumerate().map(current).collect();
         let mut motion = MotionTrace { current_a, velocity_rad_s: velocity.clone(), ..MotionTrace::default() };
         let mut found = before;
-        assert!(!correct(&mut found, &[&motion], CUTOFF_HZ), "no reference");
+        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1)), "no reference");
         motion.reference_rad_s = vec![1.0; velocity.len()];
-        assert!(!correct(&mut found, &[&motion], CUTOFF_HZ), "a reference that stands still");
+        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1)), "a reference that stands still");
         assert_eq!(found, before);
         motion.reference_rad_s = velocity;
-        assert!(correct(&mut found, &[&motion], CUTOFF_HZ));
+        assert!(correct(&mut found, &[&motion], (CUTOFF_HZ, 1)));
         for (term, exact) in [(0, 0.005), (1, 0.02), (2, 0.3), (4, 0.1), (6, 0.0)] {
             // Central differences of the fastest sine are short by a part in 10⁵.
             assert!((f64::from(found.nominal[term]) - exact).abs() < 1e-4, "{term}: {}", found.nominal[term]);
@@ -177,7 +178,7 @@ mod tests {
         // Without any motion of the shaft the prior is all that is known.
         motion.velocity_rad_s.fill(0.0);
         motion.current_a.fill(0.5);
-        assert!(!correct(&mut found, &[&motion], CUTOFF_HZ), "a shaft that stands still");
+        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1)), "a shaft that stands still");
     }
 
     #[test]
@@ -197,7 +198,7 @@ mod tests {
             .collect();
         let inertia = |records: &[MotionTrace]| {
             let mut found = balance();
-            assert!(correct(&mut found, &records.iter().collect::<Vec<_>>(), CUTOFF_HZ));
+            assert!(correct(&mut found, &records.iter().collect::<Vec<_>>(), (CUTOFF_HZ, 1)));
             f64::from(found.nominal[0])
         };
         let instruments = inertia(&records);

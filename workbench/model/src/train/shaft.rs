@@ -32,7 +32,7 @@ pub(super) fn model(
     plan: &ShaftPlan,
     wiring: &Wiring,
 ) -> Result<(ShaftLayout, ShaftConstants<RunTime>), Error> {
-    let found = with_balance(traces, sizes, plan, wiring, |bench, constants, own| {
+    let found = with_balance(traces, sizes, plan, wiring, |bench, plan, constants, own| {
         if plan.orders.is_empty() {
             return Ok(Ok((layout(plan, wiring)?, constants)));
         }
@@ -56,7 +56,7 @@ pub(super) fn cost(
     plan: &ShaftPlan,
     wiring: &Wiring,
 ) -> Result<f64, Error> {
-    with_balance(traces, sizes, plan, wiring, |bench, constants, own| filters::cost(bench, &constants, own))
+    with_balance(traces, sizes, plan, wiring, |bench, _, constants, own| filters::cost(bench, &constants, own))
 }
 
 /// Learns lags and torque balance of the nominal class, then does `rest`.
@@ -65,7 +65,7 @@ fn with_balance<T>(
     (class, interval_s): (usize, f64),
     plan: &ShaftPlan,
     wiring: &Wiring,
-    rest: impl FnOnce(&Bench, ShaftConstants<RunTime>, &[Watched<'_>]) -> Result<T, Error>,
+    rest: impl FnOnce(&Bench, &ShaftPlan, ShaftConstants<RunTime>, &[Watched<'_>]) -> Result<T, Error>,
 ) -> Result<T, Error> {
     if interval_s <= 0.0 {
         return Err(Error::Training("the shaft needs the sampling interval; give the traces a column t_s".into()));
@@ -77,6 +77,7 @@ fn with_balance<T>(
         return Err(Error::Training("a trace lacks the channels of the shaft, but its features are requested".into()));
     }
     let all: Vec<&MotionTrace> = motions.iter().map(AsRef::as_ref).collect();
+    let plan = &plan.decimated(&all, interval_s);
     let own: Vec<Watched<'_>> = traces.iter().zip(all.iter().copied()).filter(|(t, _)| t.class == class).collect();
     let bench = Bench::new(&own, plan, wiring)?;
     let healthy: Vec<&MotionTrace> = own.iter().map(|(_, motion)| *motion).collect();
@@ -96,10 +97,11 @@ fn with_balance<T>(
     let trained = bench.frictions(&constants, &own)?;
     nominal::learn(&mut constants.balance, &trained);
     // The residual of the orders is then never formed with a segment's own parameters, which the load biases.
-    if !plan.load && reference_instruments::correct(&mut constants.balance, &healthy, plan.cutoff_hz) {
+    if !plan.load && reference_instruments::correct(&mut constants.balance, &healthy, (plan.cutoff_hz, plan.decimation))
+    {
         constants.balance.own_from_rows = u16::MAX;
     }
-    rest(&bench, constants, &own)
+    rest(&bench, plan, constants, &own)
 }
 
 /// Returns the lags if the velocity is that of the angle over the last sample: half a sample behind it.
@@ -133,12 +135,15 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
     let scale = columns.map(power_of_two);
     let [s0, s1, s2, s3, s4, s5, s6] = scale;
     let sign_velocity = (3.0 * velocity_noise(traces)).max(0.01 * velocity); // (1)
+    // From here on by steps.
+    let step_s = interval_s * f64::from(plan.decimation);
+    let cutoff = plan.cutoff_hz * step_s;
     let row_interval = (1.0 / (8.0 * cutoff)).round().clamp(1.0, 255.0);
     Ok(ShaftConstants {
         lags: Lags::default(),
         balance: Balance {
-            interval_s: interval_s as f32,
-            filter: StateVariable::new((std::f64::consts::PI * cutoff).tan() as f32, interval_s as f32),
+            interval_s: step_s as f32,
+            filter: StateVariable::new((std::f64::consts::PI * cutoff).tan() as f32, step_s as f32),
             row_interval: row_interval as u8,
             settle: (1.6 / cutoff).round().clamp(1.0, 60_000.0) as u16,
             sign_velocity_rad_s: sign_velocity as f32,

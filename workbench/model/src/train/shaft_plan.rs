@@ -3,7 +3,11 @@
 //! ```text
 //! cell       as wide as the slip allows, but at most a sixteenth of a trace's turns                        (1)
 //! controls   orders far from all integers and from all harmonics of the tracked orders                 (2)
+//! steps      each second sample if h O |ω|/2π of the highest harmonic is at most 0.22 of the rate, with the |ω| that 99 %
+//!            of the samples do not exceed                                                              (3)
 //! ```
+
+use std::f64::consts::TAU;
 
 use bearing_watch::model::{Blocks, CONTROLS, MAX_LAG, TrackedOrder, Tracking, q16};
 use bearing_watch::plan::RunTime;
@@ -11,7 +15,14 @@ use bearing_watch::plan::RunTime;
 use super::VelocitySource;
 use crate::Error;
 use crate::core::{MAX_ORDERS, Measured};
+use crate::trace::MotionTrace;
 
+/// The part of the samples that are slower than the velocity of (3).
+const FAST: f64 = 0.99;
+/// The limit of (3): the half-band filter passes 0.64 of a sine of this frequency, in parts of the rate.
+const HALVED_TO: f64 = 0.22;
+/// Highest cut-off of the torque balance, in parts of the rate: a step is then at most a tenth of its period.
+const CUTOFF_TO: f64 = 0.05;
 /// Blocks in a record, at least.
 pub(super) const BLOCKS_A_RECORD: f64 = 16.0;
 /// Binary logarithms of the narrowest and the widest cell, turns.
@@ -44,6 +55,8 @@ pub struct ShaftPlan {
     pub load: bool,
     /// Where the velocity comes from.
     pub velocity: VelocitySource,
+    /// Samples from step to step of balance and orders, 1 or 2; training chooses it.
+    pub decimation: u8,
 }
 
 impl ShaftPlan {
@@ -60,7 +73,20 @@ impl ShaftPlan {
             cutoff_hz: 4.0,
             load: true,
             velocity: VelocitySource::Best,
+            decimation: 1,
         }
+    }
+
+    /// Returns the plan with a step at each second sample if the highest harmonic passes the half-band filter (3).
+    pub(super) fn decimated(&self, traces: &[&MotionTrace], interval_s: f64) -> Self {
+        let highest = self.orders.iter().map(|(_, order)| *order).fold(0.0, f64::max);
+        let speeds = traces.iter().flat_map(|trace| trace.velocity_rad_s.iter().map(|w| w.abs()));
+        let mut speeds: Vec<f64> = speeds.filter(|w| w.is_finite()).collect();
+        let place = (FAST * speeds.len().saturating_sub(1) as f64) as usize;
+        let fast = (!speeds.is_empty()).then(|| *speeds.select_nth_unstable_by(place, f64::total_cmp).1);
+        let of_harmonic = highest * f64::from(harmonics(&self.weights)) * fast.unwrap_or(0.0) * interval_s / TAU;
+        let slow = of_harmonic <= HALVED_TO && self.cutoff_hz * interval_s <= CUTOFF_TO;
+        Self { decimation: if slow { 2 } else { 1 }, ..self.clone() }
     }
 
     /// Returns which signals have a channel; before the choice of its source, the velocity has one.
@@ -163,4 +189,35 @@ fn controls(orders: &[(String, f64)], slip: f64, harmonics: u8) -> [f64; CONTROL
         let near = (-12..=12).map(|percent| even * (1.0 + 0.01 * f64::from(percent)));
         near.max_by(|one, other| clear(*one).total_cmp(&clear(*other))).unwrap_or(even)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Constant at this velocity but for a twentieth of the samples, with a value that is missing.
+    fn trace(velocity_rad_s: f64, otherwise: f64) -> MotionTrace {
+        let mut velocity: Vec<f64> = (0..1000).map(|k| if k % 20 == 0 { -otherwise } else { velocity_rad_s }).collect();
+        velocity[3] = f64::NAN;
+        MotionTrace { velocity_rad_s: velocity, ..MotionTrace::default() }
+    }
+
+    #[test]
+    fn each_second_sample_is_taken_where_the_highest_harmonic_is_slow() {
+        // The third harmonic of order 4 at 500 Hz: 0.22 of the rate is 110 Hz, at 57.6 rad/s.
+        let plan = ShaftPlan::new(vec![("outer".into(), 2.0), ("inner".into(), 4.0)]);
+        let chosen = |plan: &ShaftPlan, trace: &MotionTrace| plan.decimated(&[trace], 0.002).decimation;
+        assert_eq!([57.0, 58.0].map(|w| chosen(&plan, &trace(w, 0.0))), [2, 1]);
+        assert_eq!([57.0, 58.0].map(|w| chosen(&plan, &trace(10.0, w))), [2, 1], "a twentieth of the samples counts");
+        let first = ShaftPlan { weights: [1.0, 0.0, 0.0], ..plan.clone() };
+        assert_eq!([172.0, 174.0].map(|w| chosen(&first, &trace(w, 0.0))), [2, 1]);
+        // A twentieth of the rate is 25 Hz.
+        assert_eq!(
+            [24.9, 25.1].map(|cutoff_hz| chosen(&ShaftPlan { cutoff_hz, ..plan.clone() }, &trace(1.0, 0.0))),
+            [2, 1]
+        );
+        let friction = ShaftPlan::new(vec![]);
+        assert_eq!(chosen(&friction, &trace(300.0, 0.0)), 2, "friction alone is slow");
+        assert_eq!(friction.decimated(&[], 0.002).decimation, 2, "no trace: training refuses it elsewhere");
+    }
 }
