@@ -1,7 +1,7 @@
 //! Plans of firmware that reads models of many layouts, without an allocator: every array has places for the largest.
 
 use super::Layout;
-use super::lengths::triangle;
+use super::lengths::{FILTERED_MOMENTS, triangle};
 
 /// Most elements of each array of a plan that [`bounded_plan!`](crate::bounded_plan!) defines, by the names of
 /// [`Layout`].
@@ -105,6 +105,10 @@ impl Bounds {
 
     pub const fn filters(&self) -> usize {
         self.filters
+    }
+
+    pub const fn moments(&self) -> usize {
+        FILTERED_MOMENTS
     }
 
     pub const fn watched(&self) -> usize {

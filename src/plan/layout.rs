@@ -241,6 +241,18 @@ mod tests {
     }
 
     #[test]
+    fn a_shaft_of_each_second_sample_holds_more_of_them() {
+        let shaft = |decimation| {
+            let [current, load] = [0, 1].map(Signal::channel);
+            ShaftLayout { current, velocity: None, load: Some(load), orders: 2, harmonics: 3, decimation }
+        };
+        let of = |decimation| Layout { channels: 2, regression: None, shaft: Some(shaft(decimation)), ..PLAIN };
+        assert_eq!([PLAIN, of(1), of(2)].map(|layout| layout.moments()), [0, 8, 23]);
+        let all = [0, 1, 2, 3].map(|decimation| of(decimation).check());
+        assert_eq!(all, [Err(LayoutError::Orders), Ok(()), Ok(()), Err(LayoutError::Orders)]);
+    }
+
+    #[test]
     fn filters_need_as_many_cells_as_the_output_has_terms() {
         let filters = |na, nb, nc| {
             let structure = Structure::new(na, nb, nc, 1, 1);

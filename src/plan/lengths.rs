@@ -12,6 +12,10 @@
 use super::Structure;
 use super::layout::{Kind, Layout, Memory, Method, RegressionLayout};
 
+/// Samples held to delay signals, and behind a filter; see [`delays`](crate::shaft::delays).
+pub(crate) const MOMENTS: usize = 8;
+pub(crate) const FILTERED_MOMENTS: usize = 23;
+
 impl RegressionLayout {
     /// Number of parameters whose own column serves as instrument, and of those with a separate instrument.
     #[inline(always)]
@@ -127,6 +131,17 @@ impl Layout {
     pub const fn filters(&self) -> usize {
         match &self.regression {
             Some(regression) => regression.filters(),
+            None => 0,
+        }
+    }
+
+    /// Samples held to delay the signals of the shaft, without or with a filter before each second one.
+    #[inline]
+    #[must_use]
+    pub const fn moments(&self) -> usize {
+        match &self.shaft {
+            Some(shaft) if shaft.is_halved() => FILTERED_MOMENTS,
+            Some(_) => MOMENTS,
             None => 0,
         }
     }

@@ -42,7 +42,7 @@ pub use structure::Structure;
 #[cfg(any(test, feature = "alloc", feature = "bounded"))]
 pub use values::Values;
 
-pub(crate) use lengths::filter_cells;
+pub(crate) use lengths::{FILTERED_MOMENTS, MOMENTS, filter_cells};
 
 #[cfg(test)]
 pub mod testing;
@@ -93,6 +93,8 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     type Filters: Size;
     /// 1 if the shaft is watched.
     type Watched: Presence;
+    /// Samples held to delay the signals of the shaft.
+    type Moments: Size;
     /// K, the number of bearing orders.
     type Orders: Size;
     /// Number of channels that are averaged.
@@ -299,6 +301,7 @@ macro_rules! plan_types {
         type Delays = $crate::plan::$size<{ $lengths.delays() }>;
         type Filters = $crate::plan::$size<{ $lengths.filters() }>;
         type Watched = $crate::plan::$presence<{ $lengths.watched() }>;
+        type Moments = $crate::plan::$size<{ $lengths.moments() }>;
         type Orders = $crate::plan::$size<{ $lengths.orders() }>;
         type Averaged = $crate::plan::$size<{ $lengths.averages() }>;
         type Features = $crate::plan::$size<{ $lengths.features as usize }>;

@@ -11,10 +11,14 @@
 //! half of it (Mintzer, *On half-band, third-band and Nth-band FIR filters*, 1982). It passes a tenth of
 //! the rate by 0.97.
 
+use crate::plan::{FILTERED_MOMENTS, MOMENTS};
+
 /// Longest lag that can be compensated, samples.
 pub const MAX_LAG: f32 = 5.0;
-/// Samples kept for the delay. With (1) and an interpolation the longest lag reads back 13 samples.
-pub(super) const RING: u8 = 16;
+/// Samples in the ring, without and with (1): with an interpolation the longest lag reads back 6 or 13 samples.
+pub(super) const RING: u8 = 8;
+pub(super) const FILTERED_RING: u8 = 16;
+const _: () = assert!(MOMENTS == RING as usize && FILTERED_MOMENTS == (FILTERED_RING + BEFORE) as usize);
 /// Samples before the newest that an interpolated value of (1) reads, and how many it reads.
 pub(super) const BEFORE: u8 = 7;
 pub(super) const TAPS: usize = BEFORE as usize + 1;
@@ -45,7 +49,7 @@ pub(super) struct Delay {
 impl Delay {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 9 in a validated model")]
     fn of(samples: f32) -> Self {
-        let whole = (samples as u8).min(RING - 2);
+        let whole = (samples as u8).min(FILTERED_RING - 2);
         Self { whole, part: samples - f32::from(whole) }
     }
 }

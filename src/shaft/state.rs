@@ -3,7 +3,7 @@
 use core::f32::consts::TAU;
 
 use super::balance::{Balance, BalanceState, BalanceSums, Friction, Torques};
-use super::delays::{BEFORE, Delay, Delays, Lags, RING, TAPS, half_band};
+use super::delays::{BEFORE, Delay, Delays, FILTERED_RING, Lags, RING, TAPS, half_band};
 use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking};
 use super::plausibility;
 use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
@@ -101,7 +101,8 @@ pub(super) struct Usage {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Shaft<P: Plan> {
-    ring: [Moment; (RING + BEFORE) as usize],
+    /// Of a filter's moments, the first [`BEFORE`] again behind the last, so that those that it reads are in a row.
+    ring: Array<P::Moments, Moment>,
     place: u8,
     /// Whether the last sample was one between two steps.
     is_between: bool,
@@ -163,7 +164,7 @@ impl<P: Plan> Shaft<P> {
     #[must_use]
     pub fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
         Self {
-            ring: [Moment::default(); (RING + BEFORE) as usize],
+            ring: Cells::filled(plan.layout().moments(), Moment::default()),
             place: 0,
             is_between: false,
             taken: None,
@@ -179,8 +180,8 @@ impl<P: Plan> Shaft<P> {
         }
     }
 
-    /// Takes a sample; `good` says whether all channels of the shaft may be used. A function of its own: inlined into an
-    /// interrupt, it would take the registers of the front end.
+    /// Takes a sample; `good` says whether all channels of the shaft may be used.
+    // A function of its own: inlined into an interrupt, it would take the registers of the front end.
     #[inline(never)]
     pub fn step(
         &mut self,
@@ -194,7 +195,7 @@ impl<P: Plan> Shaft<P> {
         };
         let ShaftLayout { current, velocity, load, .. } = layout;
         let last = self.back(0);
-        self.place = self.place.wrapping_add(1) % RING;
+        self.place = self.place.wrapping_add(1) % self.length();
         let moment = if good {
             let interval_s = constants.balance.interval_s;
             let interval_s = if layout.is_halved() { 0.5 * interval_s } else { interval_s };
@@ -210,7 +211,7 @@ impl<P: Plan> Shaft<P> {
             self.lose(velocity.is_none());
             last
         };
-        if let Some(cell) = self.ring.get_mut(self.place as usize) {
+        if let Some(cell) = self.ring.cells_mut().get_mut(self.place as usize) {
             *cell = moment;
         }
         if layout.is_halved() {
@@ -232,8 +233,7 @@ impl<P: Plan> Shaft<P> {
     /// that the work is distributed.
     #[inline(always)]
     fn halved(&mut self, sums: &mut ShaftSums<P>, layout: ShaftLayout, constants: &ShaftConstants<P>, moment: Moment) {
-        // The first moments again behind the last, so that those of a filter are in a row.
-        if let Some(cell) = self.ring.get_mut(self.place.wrapping_add(RING) as usize) {
+        if let Some(cell) = self.ring.cells_mut().get_mut(self.place.wrapping_add(FILTERED_RING) as usize) {
             *cell = moment;
         }
         let tracking = &constants.tracking;
@@ -339,10 +339,16 @@ impl<P: Plan> Shaft<P> {
         }
     }
 
+    /// Samples in the ring; a plan of a fixed length knows it when compiled.
+    #[inline(always)]
+    fn length(&self) -> u8 {
+        if self.ring.cells().len() > RING as usize { FILTERED_RING } else { RING }
+    }
+
     #[inline(always)]
     fn back(&self, samples: u8) -> Moment {
-        let place = self.place.wrapping_sub(samples) % RING;
-        self.ring.get(place as usize).copied().unwrap_or_default()
+        let place = self.place.wrapping_sub(samples) % self.length();
+        self.ring.cells().get(place as usize).copied().unwrap_or_default()
     }
 
     #[inline(always)]
@@ -354,9 +360,11 @@ impl<P: Plan> Shaft<P> {
     /// The signal behind the half-band filter.
     #[inline(always)]
     fn filtered(&self, delay: Delay, pick: impl Fn(&Moment) -> f32) -> f32 {
-        let oldest = self.place.wrapping_sub(delay.whole).wrapping_sub(BEFORE) % RING;
-        let moments = self.ring.get(oldest as usize..).and_then(<[Moment]>::first_chunk::<TAPS>);
-        moments.map_or(0.0, |moments| half_band(moments.each_ref().map(pick), delay.part))
+        let oldest = self.place.wrapping_sub(delay.whole).wrapping_sub(BEFORE) % FILTERED_RING;
+        let moments = self.ring.cells().get(oldest as usize..).and_then(<[Moment]>::first_chunk::<TAPS>);
+        let Some([m7, m6, m5, m4, m3, m2, m1, m0]) = moments else { return 0.0 };
+        let samples = [pick(m7), pick(m6), pick(m5), pick(m4), pick(m3), pick(m2), pick(m1), pick(m0)];
+        half_band(samples, delay.part)
     }
 
     #[inline(always)]
@@ -382,7 +390,7 @@ impl<P: Plan> Shaft<P> {
         self.balance.renew(&constants.balance);
         self.orders.renew();
         // The last sample is not trusted: one that is lost next would be replaced by it. Those before it are not read.
-        if let Some(last) = self.ring.get_mut(self.place as usize) {
+        if let Some(last) = self.ring.cells_mut().get_mut(self.place as usize) {
             *last = Moment::default();
         }
         // Steps that fill the ring start filters and travel.

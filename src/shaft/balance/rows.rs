@@ -337,10 +337,7 @@ impl BalanceState {
         } else {
             (0.0, 0.0)
         };
-        for _ in 0..self.pivots {
-            if self.left == 0 {
-                break;
-            }
+        if self.left > 0 {
             self.substitute(sums, balance, load);
         }
         for _ in 0..self.pivots {
@@ -368,9 +365,18 @@ impl BalanceState {
         }
     }
 
-    /// One parameter of the back substitution; with the last one they hold.
+    /// A parameter of the back substitution, or more where rows are close; with the last one they hold.
     #[inline(never)]
     fn substitute(&mut self, sums: &BalanceSums, balance: &Balance, load: bool) {
+        for _ in 0..self.pivots {
+            if self.left > 0 {
+                self.substitute_one(sums, balance, load);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn substitute_one(&mut self, sums: &BalanceSums, balance: &Balance, load: bool) {
         let (columns, terms) = (columns(load), Balance::terms(load));
         let k = self.left.wrapping_sub(1);
         let value = sums.substitute(columns, k, self.scaled.get(self.left..terms.len()).unwrap_or(&[]));

@@ -176,8 +176,8 @@ fn no_order_contains_what_replaces_a_lost_sample() {
                 shaft.step(&mut sums, plan, &constants, (&sample, k != at));
                 if k == at {
                     let place = usize::from(shaft.place);
-                    for cell in [place, place + usize::from(RING)] {
-                        if let Some(moment) = shaft.ring.get_mut(cell) {
+                    for cell in [place, place + usize::from(FILTERED_RING)] {
+                        if let Some(moment) = shaft.ring.cells_mut().get_mut(cell) {
                             moment.torques.current_a += held;
                         }
                     }
