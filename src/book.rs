@@ -10,5 +10,7 @@ struct Mathematics;
 struct Porting;
 #[doc = include_str!("../book/src/commissioning.md")]
 struct Commissioning;
+#[doc = include_str!("../book/src/faults.md")]
+struct Faults;
 #[doc = include_str!("../book/src/retraining.md")]
 struct Retraining;

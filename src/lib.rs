@@ -110,7 +110,7 @@ pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};
 pub use regression::estimate::Estimate;
 pub use report::{Report, Verdict};
-pub use signal::{Angle, Average, ChannelSet, Counts, Park};
+pub use signal::{Angle, Average, ChannelSet, Counts, Park, RateCheck};
 
 #[cfg(feature = "defmt")]
 #[doc(hidden)]

@@ -125,11 +125,17 @@ pub enum Implausible {
     /// The integral of the velocity is not the motion of the angle: the sampling rate or the unit of the velocity is
     /// wrong.
     VelocityScale,
+    /// The torque constant is far from that of training, by less than a factor of √2: the gain of all currents or of
+    /// the load has changed, or the magnet; a bearing does not change it.
+    TorqueConstant,
+    /// The rows do not come at the rate of the model, by a clock ([`RateCheck`](crate::RateCheck)): each comes twice, or
+    /// the timer of the samples is wrong.
+    Rate,
 }
 
 impl Implausible {
     /// All errors, in the order of their numbers in the C interface and in frames.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::CurrentSign,
         Self::LoadSign,
         Self::MotionSign,
@@ -141,6 +147,8 @@ impl Implausible {
         Self::VelocitySign,
         Self::VelocityScale,
         Self::Current,
+        Self::TorqueConstant,
+        Self::Rate,
     ];
 
     /// The error in words.
@@ -160,6 +168,8 @@ impl Implausible {
             Self::Scale => "gain of current or load, unit of the velocity or sampling rate is wrong",
             Self::VelocitySign => "velocity and angle have opposite signs",
             Self::VelocityScale => "the velocity is not that of the angle: sampling rate or unit is wrong",
+            Self::TorqueConstant => "gain of all currents or of the load differs from that of training, or the magnet",
+            Self::Rate => "the rows do not come at the rate of the model",
         }
     }
 }

@@ -331,7 +331,7 @@ enum BwImbalance
   : int
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // They do, or there are two only.
+  // They do.
   BW_IMBALANCE_NONE = 0,
   // No current in a phase, and the other two sum to zero: the winding or its lead is open.
   BW_IMBALANCE_OPEN = 1,
@@ -339,8 +339,13 @@ enum BwImbalance
   BW_IMBALANCE_SILENT = 2,
   // The gain of a sensor is wrong.
   BW_IMBALANCE_GAIN = 3,
-  // The currents do not sum to zero, and no single gain explains it: offsets, several sensors, current to earth.
+  // The currents do not sum to zero, and no single gain explains it: several sensors, current to earth.
   BW_IMBALANCE_UNNAMED = 4,
+  // The offset of a sensor is beyond what is removed from its currents.
+  BW_IMBALANCE_OFFSET = 5,
+  // The current vector does not turn with the rotor: two phases are exchanged, the angle is reversed, the pole pairs
+  // are wrong, or there is no field-oriented control.
+  BW_IMBALANCE_MISALIGNED = 6,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -770,10 +775,12 @@ typedef struct BwFrontEndFaults {
   uint8_t imbalance_phase;
   // Why the currents are missing now.
   BwImbalance imbalance;
-  // Relative error of the gain, for `BW_IMBALANCE_GAIN`.
+  // Relative error of the gain, for `BW_IMBALANCE_GAIN`; for `BW_IMBALANCE_OFFSET` the offset, A.
   float gain_error;
-  // Number of windows in which the currents did not fit each other.
+  // Number of windows in which the currents did not fit.
   uint32_t unbalanced_windows;
+  // Offsets of phases a, b, c that were found while the shaft turned and are removed, A; not a refusal.
+  float offsets_a[3];
   // Counts of phases a, b, c outside the usable range.
   uint32_t saturated[3];
   // Counts of phases a, b, c that repeated too often.
@@ -784,6 +791,12 @@ typedef struct BwFrontEndFaults {
   uint32_t position_strayed;
   // Number of times that the lock was lost.
   uint32_t lock_losses;
+  // Readings of the angle that repeat the one before although the shaft turns; they are missing.
+  uint32_t position_stale;
+  // Steps of the angle that are no motion: the sensor has slipped on the shaft, or lost or gained counts.
+  uint32_t position_slipped;
+  // Windows in which angle and sample were not of one instant, by more than a tenth of an interval.
+  uint32_t position_unsteady;
   // Resolver signals with too low an amplitude, or not a number.
   uint32_t resolver_lost;
   // Resolver signals with too high an amplitude.
@@ -794,6 +807,8 @@ typedef struct BwFrontEndFaults {
   BwLock lock;
   // Number of gaps in the numbers of the samples.
   uint32_t gaps;
+  // Whether the currents were seen to turn with the rotor since the start.
+  bool aligned;
 } BwFrontEndFaults;
 
 // What a calibration must look like.
@@ -1033,6 +1048,18 @@ BwCode bw_conclude(struct BwState *state);
 // # Safety
 // As `bw_advance`.
 BwCode bw_adopt(struct BwState *state);
+
+// Compares the number of samples that `bw_collect` was given so far with a clock, in milliseconds; both may wrap. Call
+// it in the main loop, as often as you like. If over ten seconds the samples did not come at the rate of the model, to
+// two per cent, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`) until they do. Rows that come twice, held or
+// interpolated, are found by nothing else. A pause of the
+// samples counts as a wrong rate.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, or `BW_CODE_BUSY`.
+//
+// # Safety
+// As `bw_advance`.
+BwCode bw_check_rate(struct BwState *state, uint32_t samples, uint32_t milliseconds);
 
 // Gives the report of the segment that was solved last. It is there until the solve of the next segment starts.
 //

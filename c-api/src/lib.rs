@@ -50,6 +50,7 @@ mod growth;
 mod memory;
 mod names;
 mod plan;
+mod rate;
 mod recorder;
 mod report;
 mod sampling;
@@ -86,6 +87,7 @@ pub use plan::{
     BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_FURTHER, BW_MAX_ORDERS, BW_MAX_PARAMETERS,
     BW_MAX_PROJECTION, BW_MAX_RISING,
 };
+pub use rate::bw_check_rate;
 pub use recorder::{
     BW_BLOCK_BYTES, BW_RAW_RECORDER_SIZE, BW_RECORDER_SIZE, BwRawRecorder, BwRecorder, bw_raw_recorder_init,
     bw_raw_recorder_push, bw_recorder_init, bw_recorder_push, bw_recorder_skip,

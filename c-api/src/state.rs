@@ -11,7 +11,7 @@ use core::mem::{ManuallyDrop, offset_of};
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use bearing_watch::{Detector, Model, Monitor, Segment};
+use bearing_watch::{Detector, Model, Monitor, RateCheck, Segment};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{BW_STATE_ALIGN, Object, Tag, check, elements, put, room};
@@ -46,6 +46,7 @@ pub struct Halves {
     /// The open segment and the one of the slot, in turns.
     places: [UnsafeCell<Segment<Own>>; 2],
     pub(crate) solving: Lock<OwnMonitor>,
+    pub(crate) rate: Lock<RateCheck>,
 }
 
 /// What the interrupt works on.
@@ -53,6 +54,10 @@ pub(crate) type OwnDetector = Detector<'static, Own, &'static mut Segment<Own>>;
 
 /// What the main loop works on.
 pub(crate) type OwnMonitor = Monitor<'static, Own>;
+
+/// Milliseconds of a window of `bw_check_rate`: two per cent of it are more than a main loop is late.
+const WINDOW_MS: u32 = 10_000;
+const TOLERANCE: f32 = 0.02;
 
 /// No segment has this number.
 const NO_SEGMENT: u32 = u32::MAX;
@@ -221,6 +226,8 @@ unsafe fn init(
         (&raw mut (*own).0.closed).write(Slot::new(spare));
         place_detector(own, &(*own).0.model, open);
         place_monitor(own, &(*own).0.model);
+        let interval_s = (*own).0.model.constants().sampling.interval_s;
+        (&raw mut (*own).0.rate).write(Lock::new(RateCheck::new(1.0 / interval_s, 1000.0, TOLERANCE, WINDOW_MS)));
         (*own).0.tag.set(own);
         put(state, own)?;
     }

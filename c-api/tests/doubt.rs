@@ -163,3 +163,20 @@ fn a_reset_leaves_neither_a_closed_segment_nor_missed_samples() {
 fn the_kernels_have_their_known_answers() {
     assert_eq!(bw_known_answer_test(), 0);
 }
+
+#[test]
+fn samples_at_another_rate_than_that_of_the_model_have_no_verdict() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    // SAFETY: the state is initialised.
+    let check = |samples, milliseconds| unsafe { bw_check_rate(state, samples, milliseconds) };
+    // 500 Hz: 10 000 samples in 10 s are twice as many.
+    assert_eq!([check(0, 0), check(10_000, 10_000)], [BwCode::Ok; 2]);
+    assert_eq!(take(state, SEGMENT, true), BwCode::Report);
+    assert_eq!(told(state), (BwVerdict::Undetermined, BwReason::Implausible, [1, 1]));
+    assert_eq!(check(15_050, 20_000), BwCode::Ok);
+    assert_eq!(take(state, SEGMENT, true), BwCode::Report);
+    assert_eq!(told(state), (BwVerdict::Class, BwReason::None, [2, 1]));
+    // SAFETY: NULL is refused.
+    assert_eq!(unsafe { bw_check_rate(null_mut(), 0, 0) }, BwCode::Null);
+}

@@ -81,9 +81,16 @@ fn same_faults(c: &BwFrontEndFaults, rust: &Faults) {
         Some(Imbalance::Silent(_)) => (BwImbalance::Silent, 0.0),
         Some(Imbalance::Gain { error, .. }) => (BwImbalance::Gain, error),
         Some(Imbalance::Unnamed) => (BwImbalance::Unnamed, 0.0),
+        Some(Imbalance::Offset { offset_a, .. }) => (BwImbalance::Offset, offset_a),
+        Some(Imbalance::Misaligned) => (BwImbalance::Misaligned, 0.0),
     };
     assert_eq!((c.imbalance, c.gain_error), imbalance);
     assert_eq!((c.clear, c.unbalanced_windows, c.gaps), (rust.is_clear(), rust.unbalanced_windows, rust.gaps));
+    assert_eq!((c.offsets_a, c.aligned), (rust.offsets_a, rust.aligned));
+    assert_eq!(
+        (c.position_stale, c.position_slipped, c.position_unsteady),
+        (rust.position.stale, rust.position.slipped, rust.position.unsteady_windows)
+    );
     assert_eq!(c.saturated, rust.currents.map(|own| own.saturated));
     assert_eq!(c.stuck, rust.currents.map(|own| own.stuck));
     let (position, resolver) = (rust.position, rust.position.resolver);

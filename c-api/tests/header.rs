@@ -18,7 +18,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 19] = [
+const SOURCES: [&str; 20] = [
     "code",
     "plan",
     "signature",
@@ -26,6 +26,7 @@ const SOURCES: [&str; 19] = [
     "state",
     "sampling",
     "solving",
+    "rate",
     "report",
     "alarm",
     "growth",

@@ -25,7 +25,8 @@ use crate::alarm::evidence::{Alarm, Evidence};
 use crate::alarm::{Baseline, Growth, Silence, SilenceLimits, StateError, Trend};
 use crate::model::Model;
 use crate::plan::Plan;
-use crate::report::Report;
+use crate::reason::{Implausible, Reason};
+use crate::report::{Report, Verdict};
 
 /// The main loop's half of a detector: it solves closed segments and gathers the evidence for an alarm.
 ///
@@ -80,6 +81,8 @@ pub struct Monitor<'m, P: Plan, S = ()> {
     work: Work,
     /// Of the segment of the report.
     sequence: Sequence,
+    /// Why no segment has a verdict.
+    refused: Option<Implausible>,
 }
 
 /// What is in the report.
@@ -120,6 +123,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
             report: Report::empty(plan),
             work: Work::Settled,
             sequence: Sequence::default(),
+            refused: None,
         }
     }
 
@@ -133,9 +137,20 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// As [`Monitor::following`] if there are constants, in a program that decides so when it runs.
     #[must_use]
     pub fn following_if(self, constants: Option<BaselineConstants>) -> Monitor<'m, P, Following<P>> {
-        let Self { model, evidence, evidence_before, surroundings: (), segment, solve, report, work, sequence } = self;
+        let Self {
+            model,
+            evidence,
+            evidence_before,
+            surroundings: (),
+            segment,
+            solve,
+            report,
+            work,
+            sequence,
+            refused,
+        } = self;
         let surroundings = Following::new(model, constants);
-        Monitor { model, evidence, evidence_before, surroundings, segment, solve, report, work, sequence }
+        Monitor { model, evidence, evidence_before, surroundings, segment, solve, report, work, sequence, refused }
     }
 }
 
@@ -177,6 +192,12 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     pub const fn limit_silence(&mut self, limits: SilenceLimits) {
         self.evidence.limit_silence(limits);
         self.evidence_before.limit_silence(limits);
+    }
+
+    /// From now on no segment has a verdict, for this reason, which the signals do not show; with `None` they have one
+    /// again. [`RateCheck`](crate::RateCheck) finds such a reason.
+    pub const fn refuse(&mut self, error: Option<Implausible>) {
+        self.refused = error;
     }
 
     /// Solves a closed segment. For a main loop that has other work in between: [`Monitor::take`] and
@@ -267,6 +288,9 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     /// Gives the report to the evidence, relative to the baseline, if there is one.
     fn judge(&mut self) {
         self.work = Work::Doubtable;
+        if let Some(error) = self.refused {
+            (self.report.verdict, self.report.decision) = (Verdict::Undetermined(Reason::Implausible(error)), None);
+        }
         self.surroundings.follow(self.model, &mut self.report);
         verdict::log(self.model, &self.report);
         self.evidence_before.clone_from(&self.evidence);

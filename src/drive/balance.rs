@@ -1,4 +1,5 @@
-//! The three phase currents against each other: open phases, gain errors, sensors that read nothing.
+//! The phase currents against each other and the rotor: open phases, gain errors, sensors that read nothing, offsets,
+//! and a vector that does not turn with the rotor.
 //!
 //! ```text
 //! s = i_a + i_b + i_c                                                    (1) zero but for noise and sensor errors
@@ -17,11 +18,20 @@
 //! phase explains more than three quarters of that (over a turn: a quarter); a phase without current (6) has no gain.
 //! (6) is only concluded if the window contains all octants.
 //!
-//! A common error of all three gains leaves the sum at zero and is not seen. Cost: nine numbers of state; a sum of six
-//! products at most 16 times an electrical turn.
+//! The mean of s over the window is removed before (2) and (3) if the window contains all octants: it is that of the
+//! offsets, which [`vector`] measures phase by phase, as it says whether the currents turn with the rotor. This is
+//! concluded from currents that balance, with ⟨|i|²⟩ > 4 σ². [`FrontEnd`](super::FrontEnd) removes a measured offset in
+//! steps of a quarter of it; one that exceeds 2 σ, alone or as the sum of the phases, is reported.
+//!
+//! Of two sensors s is zero: open phases, offsets and the direction of the vector are found, gains are not. A common
+//! error of all gains leaves the sum at zero and is not seen. Cost: a sum of twenty products at most 16 times an
+//! electrical turn.
+
+mod vector;
 
 use super::Phase;
-use crate::signal::{Abc, Angle};
+use crate::signal::{Abc, Angle, SinCos};
+use vector::Vector;
 
 /// What (2), (3) and (6) expect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,8 +67,18 @@ pub enum Imbalance {
         /// Relative error (5) of its gain.
         error: f32,
     },
-    /// The currents do not sum to zero, and no single gain explains it: offsets, several sensors, current to earth.
+    /// The currents do not sum to zero, and no single gain explains it: several sensors, current to earth.
     Unnamed,
+    /// The offset of a sensor is beyond what is removed from its currents.
+    Offset {
+        /// The phase with the largest offset.
+        phase: Phase,
+        /// Offset, A.
+        offset_a: f32,
+    },
+    /// The current vector does not turn with the rotor: two phases are exchanged, the angle is reversed, the pole pairs
+    /// are wrong, or there is no field-oriented control.
+    Misaligned,
 }
 
 /// Sums of products over a window.
@@ -83,7 +103,7 @@ struct Sums {
 /// for k in 0..200 {
 ///     let angle = Angle::from_counts(k * 2, 5);
 ///     let phase = |third: u32| 10.0 * angle.plus(Angle::from_bits(third * 0x5555_5555)).sin_cos().cos;
-///     let _ = balance.push(Abc { a: phase(0), b: 1.1 * phase(2), c: phase(1) }, angle);
+///     let _ = balance.push(Abc { a: phase(0), b: 1.1 * phase(2), c: phase(1) }, angle, angle.sin_cos());
 /// }
 /// let Some(Imbalance::Gain { phase: Phase::B, error }) = balance.imbalance() else { panic!("no gain error") };
 /// assert!((error - 0.1).abs() < 1e-3);
@@ -93,6 +113,12 @@ struct Sums {
 pub struct CurrentBalance {
     limits: BalanceLimits,
     sums: Sums,
+    vector: Vector,
+    /// Offsets that were removed from the currents, and what is left of them by the last window, A.
+    removed_a: [f32; 3],
+    left_a: [f32; 3],
+    /// Standard deviation of what is left, A.
+    error_a: f32,
     count: u16,
     /// Octants of the electrical angle in this window, a bit each.
     octants: u8,
@@ -100,10 +126,23 @@ pub struct CurrentBalance {
     taken: Angle,
     imbalance: Option<Imbalance>,
     unbalanced_windows: u32,
+    /// Whether a window has shown that the currents turn with the rotor.
+    aligned: bool,
+    /// Windows that must show it after one that has shown the opposite.
+    doubts: u8,
 }
 
 /// 1/16 turn.
 const STEP: u32 = 1 << 28;
+/// Part of a measured offset that a window removes: a single window is disturbed by a change of the load.
+const PART: f32 = 0.25;
+/// Least offset that is removed, in σ, besides three of its own deviations: smaller ones are in the noise that a model
+/// knows.
+const LEAST: f32 = 0.2;
+/// Windows in a row that end a misalignment.
+const DOUBTS: u8 = 4;
+/// Largest offset that is removed, in σ.
+const MOST: f32 = 2.0;
 
 impl CurrentBalance {
     /// No samples yet; until the first window is closed the currents count as balanced.
@@ -112,29 +151,52 @@ impl CurrentBalance {
         Self {
             limits,
             sums: Sums::default(),
+            vector: Vector::default(),
+            removed_a: [0.0; 3],
+            left_a: [0.0; 3],
+            error_a: 0.0,
             count: 0,
             octants: 0,
             taken: Angle::ZERO,
             imbalance: None,
             unbalanced_windows: 0,
+            aligned: false,
+            doubts: 0,
         }
     }
 
-    /// Takes the phase currents, A, at an electrical angle; a sample that is not finite is left out. Returns whether
-    /// this sample closed a window.
+    /// Takes the phase currents, A, at an electrical angle with its sine and cosine; a sample that is not finite is
+    /// left out. Returns whether this sample closed a window.
     #[inline(always)]
-    pub fn push(&mut self, currents: Abc, electrical: Angle) -> bool {
-        if electrical.since(self.taken).unsigned_abs() < STEP {
-            return false;
+    pub fn push(&mut self, currents: Abc, electrical: Angle, turn: SinCos) -> bool {
+        self.gather(currents, electrical, turn);
+        let full = self.is_full();
+        if full {
+            self.close();
         }
-        self.take(currents, electrical)
+        full
+    }
+
+    /// Takes a sample as [`Self::push`], but leaves a full window to [`Self::close`].
+    #[inline(always)]
+    pub(super) fn gather(&mut self, currents: Abc, electrical: Angle, turn: SinCos) {
+        if electrical.since(self.taken).unsigned_abs() >= STEP {
+            self.take(currents, electrical, turn);
+        }
+    }
+
+    /// Whether the window is to be closed.
+    #[inline(always)]
+    pub(super) const fn is_full(&self) -> bool {
+        self.count >= self.limits.window
     }
 
     #[inline(never)]
-    fn take(&mut self, Abc { a, b, c }: Abc, electrical: Angle) -> bool {
+    fn take(&mut self, currents: Abc, electrical: Angle, turn: SinCos) {
+        let Abc { a, b, c } = currents;
         let s = a + b + c; // (1)
         if !s.is_finite() {
-            return false;
+            return;
         }
         self.taken = electrical;
         let sums = &mut self.sums;
@@ -144,27 +206,102 @@ impl CurrentBalance {
         sums.aa += a * a;
         sums.bb += b * b;
         sums.ab += a * b;
+        self.vector.take(currents, turn);
         self.octants |= 1_u8.wrapping_shl(electrical.bits() >> 29);
         self.count = self.count.saturating_add(1);
-        if self.count < self.limits.window {
-            return false;
-        }
-        self.close();
-        true
     }
 
+    /// Concludes from a window and starts the next one.
     #[cold]
     #[inline(never)]
-    fn close(&mut self) {
-        self.imbalance = self.judge();
+    pub(super) fn close(&mut self) {
+        let n = f32::from(self.count.max(1));
+        let measured = if self.octants == u8::MAX { self.vector.offsets(n) } else { None };
+        let power = self.center(n, measured.is_some());
+        (self.left_a, self.error_a) = (measured.unwrap_or_default(), self.vector.deviation(power, n));
+        self.imbalance = self.judge(n).or_else(|| self.shifted()).or_else(|| self.misaligned(power, n));
         if self.imbalance.is_some() {
             self.unbalanced_windows = self.unbalanced_windows.saturating_add(1);
         }
         (self.sums, self.count, self.octants) = (Sums::default(), 0, 0);
+        self.vector = Vector::default();
     }
 
-    fn judge(&self) -> Option<Imbalance> {
-        let n = f32::from(self.count.max(1));
+    /// Removes the mean of s from the sums, if it is known; returns P.
+    fn center(&mut self, n: f32, known: bool) -> f32 {
+        let [a, b, c] = self.vector.phase_means(n);
+        let mean = a + b + c;
+        let sums = &mut self.sums;
+        let Sums { ss, sa, sb, aa, bb, ab } = *sums;
+        let cc = ss + aa + bb + 2.0 * (ab - sa - sb);
+        if known {
+            sums.ss -= n * mean * mean;
+            sums.sa -= n * mean * a;
+            sums.sb -= n * mean * b;
+        }
+        (aa + bb + cc - ss / 3.0) * (2.0 / 3.0)
+    }
+
+    /// An offset beyond those that are removed.
+    fn shifted(&self) -> Option<Imbalance> {
+        let mut largest = (0.0, Phase::A);
+        let mut sum = 0.0;
+        for ((removed, left), phase) in self.removed_a.iter().zip(self.left_a).zip(Phase::ALL) {
+            let offset: f32 = removed + left;
+            sum += offset;
+            if offset.abs() > f32::abs(largest.0) {
+                largest = (offset, phase);
+            }
+        }
+        let (offset_a, phase) = largest;
+        let most = MOST * self.limits.noise_a;
+        let far = offset_a.abs() > most + 6.0 * self.error_a || f32::abs(sum) > most;
+        far.then_some(Imbalance::Offset { phase, offset_a })
+    }
+
+    fn misaligned(&mut self, power: f32, n: f32) -> Option<Imbalance> {
+        let noise = self.limits.noise_a * self.limits.noise_a;
+        let seen = self.octants == u8::MAX && power > 4.0 * n * noise;
+        if seen {
+            // Where the shaft turns back, any vector may look as if it turned with the rotor.
+            let against = self.vector.is_misaligned(power, n);
+            self.doubts = if against { DOUBTS } else { self.doubts.saturating_sub(1) };
+            self.aligned = self.doubts == 0;
+        }
+        (self.doubts > 0).then_some(Imbalance::Misaligned)
+    }
+
+    /// Whether the last window that could tell has shown that the currents turn with the rotor. Not before the shaft
+    /// has turned by an electrical turn with a current above the noise.
+    #[must_use]
+    pub const fn is_aligned(&self) -> bool {
+        self.aligned
+    }
+
+    /// Removes a part of the offsets that the last window has measured; returns it, to be subtracted from the currents
+    /// that are pushed from now on.
+    pub(super) fn remove_offsets(&mut self) -> [f32; 3] {
+        let BalanceLimits { noise_a, .. } = self.limits;
+        let sure = matches!(self.imbalance, None | Some(Imbalance::Offset { .. }));
+        let large = self.left_a.iter().any(|left| left.abs() > LEAST * noise_a + 3.0 * self.error_a);
+        let mut steps = [0.0; 3];
+        if sure && large {
+            let most = MOST * noise_a;
+            for ((step, removed), left) in steps.iter_mut().zip(&mut self.removed_a).zip(self.left_a) {
+                let next = (*removed + PART * left).max(-most).min(most);
+                *step = next - *removed;
+                *removed = next;
+            }
+        }
+        steps
+    }
+
+    /// Offsets that were removed, A.
+    pub(super) const fn removed_a(&self) -> [f32; 3] {
+        self.removed_a
+    }
+
+    fn judge(&self, n: f32) -> Option<Imbalance> {
         let Sums { ss, sa, sb, aa, bb, ab } = self.sums;
         // c = s − a − b
         let (sc, cc) = (ss - sa - sb, ss + aa + bb + 2.0 * (ab - sa - sb));
@@ -237,151 +374,4 @@ fn named([ss, noise]: [f32; 2], products: [f32; 3], squares: [f32; 3], floor: f3
 }
 
 #[cfg(test)]
-mod tests {
-    #![expect(clippy::cast_sign_loss, reason = "a positive fraction of a turn")]
-
-    use super::*;
-
-    const LIMITS: BalanceLimits = BalanceLimits { noise_a: 0.1, gain_tolerance: 0.02, window: 320 };
-
-    /// One finding after `turns` electrical turns of currents of `amplitude_a`, with normal noise of 0.05 A a sensor.
-    fn finding(
-        amplitude_a: f64,
-        turns: f64,
-        gains: [f64; 3],
-        currents: impl Fn(f64, f64) -> [f64; 3],
-    ) -> Option<Imbalance> {
-        let mut balance = CurrentBalance::new(LIMITS);
-        let mut state = 3_u32;
-        let mut noise = || {
-            let mut uniform = || {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                f64::from(state >> 8) / 16_777_216.0
-            };
-            0.05 * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0)
-        };
-        for k in 0..20_000 {
-            let turn = turns * f64::from(k) / 20_000.0;
-            let mut i = currents(amplitude_a, core::f64::consts::TAU * turn);
-            i.iter_mut().zip(gains).for_each(|(i, gain)| *i = gain * *i + noise());
-            let [a, b, c] = i.map(|i| i as f32);
-            let electrical = Angle::from_bits((turn.fract() * 4_294_967_296.0) as u32);
-            let _ = balance.push(Abc { a, b, c }, electrical);
-        }
-        assert_eq!(balance.unbalanced_windows() > 0, balance.imbalance().is_some());
-        balance.imbalance()
-    }
-
-    fn three(amplitude: f64, angle: f64) -> [f64; 3] {
-        [0.0, 1.0, 2.0].map(|k| amplitude * (angle - k * core::f64::consts::TAU / 3.0).sin())
-    }
-
-    #[test]
-    fn balanced_currents_are_balanced_with_any_amplitude_and_tolerated_gains() {
-        for amplitude in [0.0, 0.3, 10.0, 50.0] {
-            assert_eq!(finding(amplitude, 100.0, [1.0; 3], three), None, "{amplitude} A");
-        }
-        assert_eq!(finding(50.0, 100.0, [1.015, 0.99, 1.01], three), None);
-    }
-
-    #[test]
-    fn gain_errors_are_named_and_measured() {
-        for (place, phase) in Phase::ALL.into_iter().enumerate() {
-            for error in [0.1_f64, -0.2] {
-                let mut gains = [1.0; 3];
-                gains[place] += error;
-                let Some(Imbalance::Gain { phase: named, error: measured }) = finding(10.0, 100.0, gains, three) else {
-                    panic!("{phase:?} {error}");
-                };
-                // Noise of 0.09 A in 320 samples of a current of 7 A rms: 0.0007.
-                assert!(named == phase && (f64::from(measured) - error).abs() < 0.004, "{phase:?} {error} {measured}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_gain_error_below_the_noise_of_the_sum_is_named() {
-        // ⟨s²⟩ is 0.0075 A² of noise and 0.02 A² of the gain, half of the limit of (2).
-        let Some(Imbalance::Gain { phase: Phase::B, error }) = finding(1.0, 100.0, [1.0, 1.2, 1.0], three) else {
-            panic!("not named");
-        };
-        // Noise of 0.09 A in 320 samples of a current of 0.7 A rms: 0.007, and each sensor's own noise 0.005.
-        assert!((error - 0.2).abs() < 0.03, "{error}");
-        assert_eq!(finding(1.0, 100.0, [1.015, 0.99, 1.01], three), None);
-    }
-
-    #[test]
-    fn an_open_winding_differs_from_a_silent_sensor() {
-        for (place, phase) in Phase::ALL.into_iter().enumerate() {
-            let mut gains = [1.0; 3];
-            gains[place] = 0.0;
-            assert_eq!(finding(10.0, 100.0, gains, three), Some(Imbalance::Silent(phase)));
-            let open = |amplitude: f64, angle: f64| {
-                let mut i = [0.0; 3];
-                i[(place + 1) % 3] = amplitude * angle.sin();
-                i[(place + 2) % 3] = -amplitude * angle.sin();
-                i
-            };
-            assert_eq!(finding(10.0, 100.0, [1.0; 3], open), Some(Imbalance::Open(phase)));
-        }
-    }
-
-    #[test]
-    fn a_silent_sensor_has_no_gain_error_at_a_current_too_small_to_name_it() {
-        let limits = BalanceLimits { noise_a: 1.0, ..LIMITS };
-        let mut balance = CurrentBalance::new(limits);
-        for k in 0..20_000 {
-            let angle = core::f64::consts::TAU * f64::from(k) / 200.0;
-            let [a, b, _] = three(5.0, angle).map(|i| i as f32);
-            let electrical = Angle::from_bits((f64::from(k % 200) / 200.0 * 4_294_967_296.0) as u32);
-            let _ = balance.push(Abc { a, b, c: 0.0 }, electrical);
-        }
-        // 12.5 A² are less than 50 times the square of the noise.
-        assert_eq!(balance.imbalance(), Some(Imbalance::Unnamed));
-    }
-
-    #[test]
-    fn an_offset_is_an_imbalance_without_a_name() {
-        let shifted = |amplitude: f64, angle: f64| three(amplitude, angle).map(|i| i + 0.2);
-        assert_eq!(finding(10.0, 100.0, [1.0; 3], shifted), Some(Imbalance::Unnamed));
-    }
-
-    #[test]
-    fn nothing_is_concluded_at_standstill_or_from_missing_samples() {
-        assert_eq!(finding(10.0, 0.05, [1.0, 0.0, 1.0], three), None);
-        assert_eq!(finding(f64::NAN, 100.0, [1.0; 3], three), None);
-    }
-
-    #[test]
-    fn a_shaft_that_swings_where_a_phase_has_no_current_has_no_open_phase() {
-        let mut balance = CurrentBalance::new(LIMITS);
-        let mut push = |turn: f64, amplitude: f64| {
-            let [a, b, c] = three(amplitude, core::f64::consts::TAU * turn).map(|i| i as f32);
-            balance.push(Abc { a, b, c }, Angle::from_bits((turn.rem_euclid(1.0) * 4_294_967_296.0) as u32))
-        };
-        // Twenty turns, a window, and then a spring: its current at angle zero, where phase a carries none, and hardly
-        // any at the other end of the swing.
-        let turns = (0..=320_u16).filter(|k| push(f64::from(*k) / 16.0, 10.0)).count();
-        let swings = (0..=960_u16).filter(|k| if k % 2 == 0 { push(0.0, 10.0) } else { push(0.0725, 0.5) }).count();
-        assert_eq!((turns, swings), (1, 3), "windows");
-        assert_eq!((balance.imbalance(), balance.unbalanced_windows()), (None, 0));
-    }
-
-    #[test]
-    fn without_current_only_the_noise_limits_a_product() {
-        // 0.1²/3 A² without a current; with one, twice the tolerance of its square and six deviations more.
-        let balance = CurrentBalance::new(LIMITS);
-        assert!(balance.follows(0.0034, 0.0, 10.0) && !balance.follows(0.0033, 0.0, 10.0));
-        let limit = 0.04 * 10.0 + 0.1 * (0.1 / 3.0 + 6.0);
-        assert!(balance.follows(-1.01 * limit, 10.0, 10.0) && !balance.follows(0.99 * limit, 10.0, 10.0));
-    }
-
-    #[test]
-    fn two_phases_that_explain_the_sum_alike_are_not_named() {
-        let named = |first: f32, later: f32| {
-            let products = [first, later, 0.0].map(libm::sqrtf);
-            matches!(super::named([1.0, 0.0], products, [1.0; 3], 0.5), Imbalance::Gain { phase: Phase::A, .. })
-        };
-        assert!(named(0.9, 0.6) && !named(0.9, 0.8));
-    }
-}
+mod tests;

@@ -212,6 +212,13 @@ impl CurrentSensors {
         if matches!(counts, PhaseCounts::Two(_)) { Abc { a, b, c: -(a + b) } } else { Abc { a, b, c } }
     }
 
+    /// Subtracts so many amperes from the currents of the phases from now on.
+    pub(super) fn shift(&mut self, amperes: [f32; 3]) {
+        for (sensor, amperes) in self.sensors.iter_mut().zip(amperes) {
+            sensor.offset_counts += amperes / sensor.gain_a;
+        }
+    }
+
     /// Converts and transforms to the stator frame.
     #[inline]
     pub fn clarke(&mut self, counts: &PhaseCounts) -> AlphaBeta {

@@ -7,7 +7,9 @@
 //! ```text
 //! current, calibration   counts ─► amperes; offsets at standstill
 //! balance                three currents against each other
-//! resolver, tracking     sine and cosine, or an angle ─► loop, lock
+//! position, resolver, tracking
+//!                        sine and cosine, or an angle ─► loop, lock
+//! steadiness             stale readings, slips, unequal intervals
 //! rotor_frame            electrical angle of the rotor; Clarke, Park
 //! wiring                 phases, pole pairs, offset and rate at commissioning
 //! decimate               from the control rate to that of identification
@@ -21,8 +23,10 @@ mod calibration;
 mod current;
 mod decimate;
 mod front_end;
+mod position;
 mod resolver;
 mod rotor_frame;
+mod steadiness;
 mod tracking;
 mod wiring;
 
@@ -32,7 +36,8 @@ pub use calibration::{CalibrationError, CalibrationLimits, OffsetCalibration};
 pub use current::{CurrentSensors, Phase, PhaseCounts, PhaseFaults, PhaseSensor};
 pub use decimate::{By, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use front_end::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample};
+pub use position::{Position, Tracked};
 pub use resolver::{ResolverFaults, ResolverLimits};
 pub use rotor_frame::RotorFrame;
-pub use tracking::{Lock, Position, PositionFaults, PositionTracker, Tracked, TrackingConstants};
+pub use tracking::{Lock, PositionFaults, PositionTracker, TrackingConstants};
 pub use wiring::{Wiring, WiringCheck, WiringFault, WiringLimits};

@@ -22,43 +22,20 @@
 //! sample that is missing or whose error exceeds the limit: it continues at its velocity, and after such a sample the
 //! limit is halved until an error is below (hysteresis). After `lost_samples` in a row it searches again. Samples
 //! without lock are missing.
+//!
+//! **Steadiness.** [`steadiness`](super::steadiness) says which readings of a locked loop are stale, have slipped or
+//! come at unequal times.
 
 use core::f32::consts::TAU;
 
-use super::resolver::{self, ResolverFaults, ResolverLimits, ResolverSignal};
+use super::position::{Position, Tracked};
+use super::resolver::{ResolverFaults, ResolverLimits, ResolverSignal};
+use super::steadiness::Steadiness;
 use crate::signal::{Angle, RAD};
 
 /// Error of a settling loop beyond which its velocity is taken for that of a wrong reading: 43°, or 37° by a resolver,
 /// whose error is the tangent of the angle's.
 const SLIPPED_RAD: f32 = 0.75;
-
-/// What the position sensor delivers at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Position {
-    /// Demodulated sine and cosine of a resolver, or of a sine/cosine encoder, in the unit of [`ResolverLimits`].
-    Resolver {
-        /// Amplitude times sine.
-        sin: f32,
-        /// Amplitude times cosine.
-        cos: f32,
-    },
-    /// The angle from a converter or an absolute encoder; see [`Angle::from_counts`].
-    Absolute(Angle),
-    /// No reading, or one that the sensor says is wrong.
-    Missing,
-}
-
-impl Position {
-    /// An angle near to the reading, if there is one.
-    fn coarse(&self) -> Angle {
-        match *self {
-            Self::Resolver { sin, cos } => resolver::coarse(sin, cos),
-            Self::Absolute(angle) => angle,
-            Self::Missing => Angle::ZERO,
-        }
-    }
-}
 
 /// Constants of a [`PositionTracker`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +45,8 @@ pub struct TrackingConstants {
     pub bandwidth_hz: f32,
     /// Damping ζ, 0.5 … 1.
     pub damping: f32,
-    /// Largest error of a locked loop, rad, 0.001 … 0.5; several times that of the largest acceleration (5).
+    /// Largest error of a locked loop, rad, 0.001 … 0.5; several times that of the largest acceleration (5), and at
+    /// least eight steps of the sensor. A step of the error by more than a quarter of it is a slip.
     pub error_limit_rad: f32,
     /// Missing samples, or samples beyond the limit, in a row after which the loop searches again; at least 1.
     pub lost_samples: u16,
@@ -102,28 +80,15 @@ pub struct PositionFaults {
     pub strayed: u32,
     /// Number of times that the lock was lost.
     pub losses: u32,
+    /// Readings that repeat the one before although the shaft turns; they are missing.
+    pub stale: u32,
+    /// Steps of the angle that are no motion: the sensor has slipped on the shaft, or lost or gained counts. Angles
+    /// behind it differ from those before.
+    pub slipped: u32,
+    /// Windows in which angle and sample were not of one instant, by more than a tenth of an interval.
+    pub unsteady_windows: u32,
     /// Of the signals of a resolver.
     pub resolver: ResolverFaults,
-}
-
-/// One tracked sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Tracked {
-    /// The loop's angle θ̂ at the instant of the sample.
-    pub angle: Angle,
-    /// The error (1), rad; with a resolver its tangent, at most 1.
-    pub error_rad: f32,
-}
-
-impl Tracked {
-    /// The angle as measured, with its noise: θ̂ + e.
-    #[inline]
-    #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "at most π, which is 2³¹ counts; `as` saturates")]
-    pub fn measured(&self) -> Angle {
-        self.angle.turned((self.error_rad * (1.0 / RAD)) as i32)
-    }
 }
 
 /// Follows the shaft angle by (2).
@@ -158,6 +123,7 @@ pub struct PositionTracker {
     constants: TrackingConstants,
     rate_hz: f32,
     signal: ResolverSignal,
+    steadiness: Steadiness,
     faults: PositionFaults,
 }
 
@@ -196,6 +162,7 @@ impl PositionTracker {
             constants: *constants,
             rate_hz,
             signal: ResolverSignal::new(&constants.resolver),
+            steadiness: Steadiness::new(constants.error_limit_rad),
             faults: PositionFaults::default(),
         }
     }
@@ -203,8 +170,13 @@ impl PositionTracker {
     /// Takes one reading; `None` if it is missing or wrong, or the loop not locked.
     #[inline(always)]
     pub fn push(&mut self, position: &Position) -> Option<Tracked> {
+        let repeated = self.steadiness.repeats(position);
         if self.lock != Lock::Locked {
             self.approach(position);
+            return None;
+        }
+        if repeated && self.steadiness.turns(position) {
+            self.stay();
             return None;
         }
         let angle = self.angle;
@@ -220,7 +192,12 @@ impl PositionTracker {
             self.recover();
         }
         self.follow(error_rad);
-        Some(Tracked { angle, error_rad })
+        let tracked = Tracked { angle, error_rad };
+        if self.steadiness.slips(position, &tracked, self.velocity) {
+            self.faults.slipped = self.faults.slipped.saturating_add(1);
+            return None;
+        }
+        Some(tracked)
     }
 
     /// The error (1) of a predicted angle; `None` if the reading is missing or wrong.
@@ -251,10 +228,18 @@ impl PositionTracker {
     fn coast(&mut self) {
         self.angle = self.angle.turned(self.velocity);
         self.limit_rad = 0.5 * self.constants.error_limit_rad;
+        self.steadiness.restart();
         self.lost = self.lost.saturating_add(1);
         if self.lost >= self.constants.lost_samples {
             self.lose();
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn stay(&mut self) {
+        self.faults.stale = self.faults.stale.saturating_add(1);
+        self.coast();
     }
 
     #[cold]
@@ -275,6 +260,7 @@ impl PositionTracker {
         if self.lock == Lock::Locked {
             self.faults.losses = self.faults.losses.saturating_add(1);
         }
+        self.steadiness.lose();
         self.lock = Lock::Searching;
     }
 
@@ -326,6 +312,7 @@ impl PositionTracker {
         if samples >= u32::from(self.constants.lost_samples) || matches!(self.lock, Lock::Found(_)) {
             self.lose();
         }
+        self.steadiness.restart();
         self.angle = self.angle.plus(Angle::from_bits(self.velocity.cast_unsigned().wrapping_mul(samples)));
     }
 
@@ -358,13 +345,15 @@ impl PositionTracker {
     /// What was refused since the start or [`Self::clear_faults`].
     #[must_use]
     pub const fn faults(&self) -> PositionFaults {
-        PositionFaults { resolver: self.signal.faults(), ..self.faults }
+        let unsteady_windows = self.steadiness.unsteady_windows();
+        PositionFaults { resolver: self.signal.faults(), unsteady_windows, ..self.faults }
     }
 
     /// Counts from zero.
     pub fn clear_faults(&mut self) {
         self.faults = PositionFaults::default();
         self.signal.clear_faults();
+        self.steadiness.clear_faults();
     }
 }
 

@@ -5,6 +5,7 @@
 //! refused:   v + e < min(1/√2, 1 − w)   or   v − e > max(√2, 1 + w),   w = prior/|n|                      (2)
 //! refused:   velocity/angle outside 1/√2 … √2                                                           (3)
 //! refused:   s > 5 σ₀   and   2 R/(1 − c) > E + R                                                       (4)
+//! refused:   |v − 1| > 0.1   and   |v − 1| > 3/5 e + w   for 1/Kt                                       (5)
 //! ```
 //!
 //! p is J/Kt or 1/Kt with deviation σ, n its nominal value, s² the variance of the residual, and σ₀² that of healthy
@@ -17,9 +18,15 @@
 //! electrical offset) follows neither motion nor load, while a defect adds friction, which the terms explain, and
 //! pulses far below the current of the load (4). A load that is not measured may be most of the current, and may change
 //! the estimate of the inertia by more than its deviation: without a measured load, (2) only finds wrong signs, and (4)
-//! is not applied.
+//! is not applied. There the nominal parameters are also compared with their negatives
+//! ([`is_opposed`](super::balance::Estimated::is_opposed)).
 //!
-//! Not found are scales and rates that are wrong by less than √2, or by less than the healthy values of the model
+//! A gain of all currents, of the load, or of the magnet that changes by a fifth is below the limits of (2), but looks
+//! like friction. (5) refuses it where the torque constants of training scatter less. Its error is smaller than that of
+//! (2): the residual already contains what the wrong gain leaves.
+//!
+//! Not found are a wrong sign without a load if the load that was not measured explains the current of training better
+//! than the motion does; scales and rates that are wrong by less than √2, or by less than the healthy values of the model
 //! spread; wrong signals of a shaft at constant speed under constant load; wrong scales without a measured load, except
 //! by (3); and wrong signals of a plan without a shaft.
 
@@ -33,6 +40,9 @@ use crate::reason::Implausible::{
 const DEVIATIONS: f32 = 5.0;
 /// Deviations of a healthy residual, for (4).
 const UNUSUAL: f32 = 5.0;
+/// The limits of (5): twice what a magnet of the field loses, and deviations of the estimate.
+const OFF: f32 = 0.1;
+const OFF_DEVIATIONS: f32 = 3.0;
 const LOW: f32 = core::f32::consts::FRAC_1_SQRT_2;
 const HIGH: f32 = core::f32::consts::SQRT_2;
 
@@ -57,18 +67,9 @@ const CAUSES: [[Option<Implausible>; 5]; 5] = [
 ];
 
 impl Fit {
-    /// (2); `spread` is s²/σ₀².
-    #[inline(never)]
+    /// (2)
     fn of(parameter: Parameter, nominal: f32, prior: f32, spread: f32) -> Self {
-        let ratio = parameter.deviation / prior;
-        let left = 1.0 - ratio * ratio / spread;
-        // Written so that a value that is not a number is not determined.
-        let determined = left > 0.5 && nominal != 0.0;
-        if !determined {
-            return Self::Unknown;
-        }
-        let value = 1.0 + (parameter.value / nominal - 1.0) / left; // (1)
-        let error = (DEVIATIONS * parameter.deviation / (left * nominal)).abs();
+        let Some((value, error)) = estimate(parameter, nominal, prior, spread) else { return Self::Unknown };
         let width = (prior / nominal).abs();
         let (low, high) = (value - error, value + error);
         if high < LOW.min(1.0 - width) {
@@ -81,6 +82,25 @@ impl Fit {
             Self::Unknown
         }
     }
+}
+
+/// v and e of (1); `spread` is s²/σ₀². `None` if the rows say too little.
+#[inline(never)]
+fn estimate(parameter: Parameter, nominal: f32, prior: f32, spread: f32) -> Option<(f32, f32)> {
+    let ratio = parameter.deviation / prior;
+    let left = 1.0 - ratio * ratio / spread;
+    // Written so that a value that is not a number is not determined.
+    let determined = left > 0.5 && nominal != 0.0;
+    let value = 1.0 + (parameter.value / nominal - 1.0) / left; // (1)
+    determined.then(|| (value, (DEVIATIONS * parameter.deviation / (left * nominal)).abs()))
+}
+
+/// (5)
+fn is_off(parameter: Parameter, nominal: f32, prior: f32, spread: f32) -> bool {
+    estimate(parameter, nominal, prior, spread).is_some_and(|(value, error)| {
+        let limit = OFF_DEVIATIONS / DEVIATIONS * error + (prior / nominal).abs();
+        (value - 1.0).abs() > limit.max(OFF)
+    })
 }
 
 /// What is wrong with the velocity; `ratio` is `None` without enough motion.
@@ -108,7 +128,9 @@ pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Opt
     let inertia = Fit::of(friction.inertia, n0, w0, spread);
     let inertia = if loaded || inertia == Fit::Negative { inertia } else { Fit::Unknown };
     let torque = friction.inverse_torque_constant.map_or(Fit::Unknown, |parameter| Fit::of(parameter, n3, w3, spread));
-    CAUSES.get(inertia as usize).and_then(|row| row.get(torque as usize)).copied().flatten()
+    let cause = CAUSES.get(inertia as usize).and_then(|row| row.get(torque as usize)).copied().flatten();
+    let off = || friction.inverse_torque_constant.is_some_and(|parameter| is_off(parameter, n3, w3, spread));
+    cause.or_else(|| off().then_some(Implausible::TorqueConstant))
 }
 
 #[cfg(test)]
@@ -185,6 +207,9 @@ mod tests {
         assert_eq!([cause(4.0, Some(4.0)), cause(1.0, Some(1.0))], [Some(CurrentScale); 2]);
         assert_eq!([cause(2.0, Some(4.0)), cause(4.0, Some(2.0))], [Some(LoadScale), Some(MotionScale)]);
         assert_eq!([cause(0.5, Some(4.0)), cause(4.0, None), cause(2.0, None)], [Some(Scale), None, None]);
+        // w is 0.1, three deviations 0.03.
+        let off = Some(Implausible::TorqueConstant);
+        assert_eq!([2.25, 2.28, 1.75, 1.72].map(|inverse| cause(2.0, Some(inverse))), [None, off, None, off]);
     }
 
     #[test]

@@ -78,7 +78,10 @@ impl ShaftSolve {
             }
             Step::Friction => {
                 match self.estimated.friction(&constants.balance, load, sums.balance.rows) {
-                    Ok(friction) => (estimate.friction, estimate.friction_reason) = (friction, None),
+                    Ok(friction) => {
+                        (estimate.friction, estimate.friction_reason) = (friction, None);
+                        estimate.opposed = !load && self.estimated.is_opposed(&constants.balance, sums.balance.rows);
+                    }
                     Err(reason) => estimate.friction_reason = Some(reason),
                 }
                 Step::Noise

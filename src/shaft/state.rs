@@ -46,6 +46,8 @@ pub struct ShaftEstimate<P: Plan> {
     /// The integral of the velocity over the motion of the angle, 1 if rate, unit and sign are right; `None` without a
     /// channel of the velocity, or if the shaft hardly moved.
     pub velocity_ratio: Option<f32>,
+    /// Whether the torque balance without a load has the opposite sign.
+    pub(super) opposed: bool,
 }
 
 impl<P: Plan> ShaftEstimate<P> {
@@ -59,6 +61,7 @@ impl<P: Plan> ShaftEstimate<P> {
             orders_reason: few(Part::Orders),
             usable: 0.0,
             velocity_ratio: None,
+            opposed: false,
         }
     }
 
@@ -69,6 +72,9 @@ impl<P: Plan> ShaftEstimate<P> {
         let friction = self.friction_reason.is_none().then_some(&self.friction);
         plausibility::of_motion(self.velocity_ratio).or_else(|| {
             let friction = friction?;
+            if self.opposed {
+                return Some(Implausible::Sign);
+            }
             let explained = sums.balance.explained(friction.inverse_torque_constant.is_some());
             plausibility::of_balance(&constants.balance, friction, explained)
         })

@@ -8,6 +8,7 @@
 //! channel, gate  names and plausible values; which channels of a sample may be used
 //! average        mean and root mean square of channels over a segment
 //! block_mean     means of successive samples
+//! rate           rows against a clock
 //! travel         the velocity against the angle
 //! ```
 
@@ -17,6 +18,7 @@ mod block_mean;
 mod channel;
 mod frame;
 mod gate;
+mod rate;
 mod travel;
 
 pub(crate) use angle::RAD;
@@ -26,4 +28,5 @@ pub use block_mean::BlockMean;
 pub use channel::{Channel, Label, Name, limit, read};
 pub use frame::{Abc, AlphaBeta, Dq0, Park};
 pub use gate::{ChannelSet, Counts, Gate};
+pub use rate::RateCheck;
 pub use travel::{Travel, TravelSums};

@@ -10,7 +10,7 @@ use crate::memory::{at, put};
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BwImbalance {
-    /// They do, or there are two only.
+    /// They do.
     None = 0,
     /// No current in a phase, and the other two sum to zero: the winding or its lead is open.
     Open = 1,
@@ -18,8 +18,13 @@ pub enum BwImbalance {
     Silent = 2,
     /// The gain of a sensor is wrong.
     Gain = 3,
-    /// The currents do not sum to zero, and no single gain explains it: offsets, several sensors, current to earth.
+    /// The currents do not sum to zero, and no single gain explains it: several sensors, current to earth.
     Unnamed = 4,
+    /// The offset of a sensor is beyond what is removed from its currents.
+    Offset = 5,
+    /// The current vector does not turn with the rotor: two phases are exchanged, the angle is reversed, the pole pairs
+    /// are wrong, or there is no field-oriented control.
+    Misaligned = 6,
 }
 
 /// How far the loop has found the angle of the shaft.
@@ -47,10 +52,12 @@ pub struct BwFrontEndFaults {
     pub imbalance_phase: u8,
     /// Why the currents are missing now.
     pub imbalance: BwImbalance,
-    /// Relative error of the gain, for `BW_IMBALANCE_GAIN`.
+    /// Relative error of the gain, for `BW_IMBALANCE_GAIN`; for `BW_IMBALANCE_OFFSET` the offset, A.
     pub gain_error: f32,
-    /// Number of windows in which the currents did not fit each other.
+    /// Number of windows in which the currents did not fit.
     pub unbalanced_windows: u32,
+    /// Offsets of phases a, b, c that were found while the shaft turned and are removed, A; not a refusal.
+    pub offsets_a: [f32; 3],
     /// Counts of phases a, b, c outside the usable range.
     pub saturated: [u32; 3],
     /// Counts of phases a, b, c that repeated too often.
@@ -61,6 +68,12 @@ pub struct BwFrontEndFaults {
     pub position_strayed: u32,
     /// Number of times that the lock was lost.
     pub lock_losses: u32,
+    /// Readings of the angle that repeat the one before although the shaft turns; they are missing.
+    pub position_stale: u32,
+    /// Steps of the angle that are no motion: the sensor has slipped on the shaft, or lost or gained counts.
+    pub position_slipped: u32,
+    /// Windows in which angle and sample were not of one instant, by more than a tenth of an interval.
+    pub position_unsteady: u32,
     /// Resolver signals with too low an amplitude, or not a number.
     pub resolver_lost: u32,
     /// Resolver signals with too high an amplitude.
@@ -71,6 +84,8 @@ pub struct BwFrontEndFaults {
     pub lock: BwLock,
     /// Number of gaps in the numbers of the samples.
     pub gaps: u32,
+    /// Whether the currents were seen to turn with the rotor since the start.
+    pub aligned: bool,
 }
 
 impl From<Faults> for BwFrontEndFaults {
@@ -81,6 +96,8 @@ impl From<Faults> for BwFrontEndFaults {
             Some(Imbalance::Silent(phase)) => (BwImbalance::Silent, phase, 0.0),
             Some(Imbalance::Gain { phase, error }) => (BwImbalance::Gain, phase, error),
             Some(Imbalance::Unnamed) => (BwImbalance::Unnamed, Phase::A, 0.0),
+            Some(Imbalance::Offset { phase, offset_a }) => (BwImbalance::Offset, phase, offset_a),
+            Some(Imbalance::Misaligned) => (BwImbalance::Misaligned, Phase::A, 0.0),
         };
         let position = faults.position;
         Self {
@@ -89,11 +106,15 @@ impl From<Faults> for BwFrontEndFaults {
             imbalance,
             gain_error,
             unbalanced_windows: faults.unbalanced_windows,
+            offsets_a: faults.offsets_a,
             saturated: faults.currents.map(|own| own.saturated),
             stuck: faults.currents.map(|own| own.stuck),
             position_missing: position.missing,
             position_strayed: position.strayed,
             lock_losses: position.losses,
+            position_stale: position.stale,
+            position_slipped: position.slipped,
+            position_unsteady: position.unsteady_windows,
             resolver_lost: position.resolver.lost,
             resolver_too_high: position.resolver.too_high,
             resolver_mismatched: position.resolver.mismatched,
@@ -104,6 +125,7 @@ impl From<Faults> for BwFrontEndFaults {
                 Lock::Locked => BwLock::Locked,
             },
             gaps: faults.gaps,
+            aligned: faults.aligned,
         }
     }
 }

@@ -32,6 +32,7 @@ mod saved;
 mod shaft;
 mod shaft_model;
 mod shaft_streams;
+mod silent_faults;
 mod soak;
 #[path = "../../../examples/support/standard_rig/mod.rs"]
 mod standard_rig;

@@ -4,7 +4,7 @@ use crate::alarm::evidence::{Cause, Evidence};
 use crate::detector::conclude;
 use crate::detector::{Detector, Segment};
 use crate::model::{BaselineConstants, Model};
-use crate::reason::Reason;
+use crate::reason::{Implausible, Reason};
 use crate::report::{Report, Verdict};
 use crate::tests::{Drive, SAMPLES, Sample, samples};
 use std::vec::Vec;
@@ -223,4 +223,22 @@ fn the_end_of_a_recording_has_a_verdict_from_half_a_segment_on() {
         assert_eq!(monitor.finish(&mut detector).report.verdict, verdict);
         assert_eq!((detector.pending(), monitor.evidence().segments().0), (0, 1));
     }
+}
+
+#[test]
+fn a_refused_monitor_gives_no_verdict_and_takes_no_evidence_until_it_is_allowed_again() {
+    let model = gated();
+    let mut monitor = Monitor::new(&model);
+    let [first, second, third, fourth, _] = segments(&model, &GAINS).try_into().expect("five");
+    assert!(!matches!(monitor.conclude(first).report.verdict, Verdict::Undetermined(_)));
+    let score = monitor.evidence().score();
+    monitor.refuse(Some(Implausible::Rate));
+    for segment in [second, third] {
+        let report = monitor.conclude(segment).report;
+        assert_eq!(report.verdict, Verdict::Undetermined(Reason::Implausible(Implausible::Rate)));
+        assert!(report.decision.is_none());
+    }
+    assert_eq!((monitor.evidence().segments(), monitor.evidence().score()), ((3, 2), score));
+    monitor.refuse(None);
+    assert!(!matches!(monitor.conclude(fourth).report.verdict, Verdict::Undetermined(_)));
 }

@@ -15,7 +15,7 @@ pub struct FrontEndConstants {
     pub sensors: [PhaseSensor; 3],
     /// Equal counts in a row that mean a stuck converter; 0 if a quiet converter may repeat itself for ever.
     pub stuck_samples: u16,
-    /// What the sum of three currents must be; not used with two sensors.
+    /// What the currents must be: the sum of three, offsets, and the power from which their direction is known.
     pub balance: BalanceLimits,
     /// The loop that follows the shaft angle.
     pub tracking: TrackingConstants,

@@ -24,8 +24,9 @@
 //! **Faults.** A channel without a true value is NaN. The filters make those outputs NaN whose taps met it, 32 samples
 //! of the detector at most, and the detector refuses these. Three faults are found only after a window of samples that
 //! were used already: [`CleanSample::found_late`] is then set. Without an angle there is no Park transform: current,
-//! velocity and angle are missing. While the three currents do not fit each other, the current is missing. A gap in the
-//! numbers of the samples makes every output NaN that has taps on both sides.
+//! velocity and angle are missing. While the currents do not fit each other or do not turn with the rotor, the current
+//! is missing. Offsets of the current sensors are removed as far as they are small. A gap in the numbers of the samples
+//! makes every output NaN that has taps on both sides.
 //!
 //! **Cost.** `cargo xtask measure` prints the instructions of a sample and the state, by 8 and by 10, with a converter
 //! and with a resolver.
@@ -84,16 +85,21 @@ pub struct CleanSample<const FURTHER: usize> {
 pub struct Faults {
     /// Refused counts of phases a, b, c.
     pub currents: [PhaseFaults; 3],
-    /// Why the currents are missing now: they do not fit each other.
+    /// Why the currents are missing now: they do not fit each other, or the rotor.
     pub imbalance: Option<Imbalance>,
-    /// Number of windows in which the currents did not fit each other.
+    /// Number of windows in which the currents did not fit.
     pub unbalanced_windows: u32,
+    /// Offsets of phases a, b, c that were found while the shaft turned and are removed, A; not a refusal.
+    pub offsets_a: [f32; 3],
     /// Refused readings of the position sensor.
     pub position: PositionFaults,
     /// Whether the angle is known now.
     pub lock: Lock,
     /// Number of gaps in the numbers of the samples.
     pub gaps: u32,
+    /// Whether the currents were seen to turn with the rotor ([`CurrentBalance::is_aligned`]); not a refusal. Without a
+    /// load sensor a verdict means nothing before.
+    pub aligned: bool,
 }
 
 impl Faults {
@@ -194,6 +200,8 @@ where
     centres: Centres,
     /// Samples until the next centre of an output.
     to_centre: u16,
+    /// Samples since the last output.
+    since_output: u16,
     /// The number that the next sample must have.
     next: Option<u32>,
     /// Samples to spoil after a gap.
@@ -247,6 +255,7 @@ where
             further: Filters::<FURTHER, FACTOR>::NEW,
             centres: Centres::NEW,
             to_centre: Self::FIRST_CENTRE,
+            since_output: 0,
             next: None,
             spoilt: 0,
             gaps: 0,
@@ -266,11 +275,15 @@ where
         let mut velocity_rad_s = f32::NAN;
         if let Some(tracked @ Tracked { angle, error_rad }) = self.tracker.push(&raw.position) {
             let electrical = self.frame.electrical(angle);
-            if matches!(raw.currents, PhaseCounts::Three(_)) {
-                let _closed = self.balance.push(currents, electrical);
+            let turn = electrical.sin_cos();
+            self.balance.gather(currents, electrical, turn);
+            // In a sample that gives no output, so that an interrupt has one of the two at a time.
+            if self.balance.is_full() && (FACTOR == 1 || self.since_output != const { FACTOR as u16 - 1 }) {
+                self.balance.close();
+                self.sensors.shift(self.balance.remove_offsets());
             }
             if self.balance.imbalance().is_none() {
-                now.current_a = self.frame.park.forward(currents.clarke(), electrical.sin_cos()).q;
+                now.current_a = self.frame.park.forward(currents.clarke(), turn).q;
             }
             (now.angle, now.error_rad, now.measured) = (angle, error_rad, tracked.measured());
             if self.measured < 2 {
@@ -287,7 +300,9 @@ where
             self.spoilt = self.spoilt.wrapping_sub(1);
             (held, velocity_rad_s) = (Held::MISSING, f32::NAN);
         }
-        self.filter(held, velocity_rad_s)
+        let output = self.filter(held, velocity_rad_s);
+        self.since_output = if output.is_some() { 0 } else { self.since_output.saturating_add(1) };
+        output
     }
 
     /// Takes a raw sample at commissioning, for a check of the wiring instead of the filters; the velocity is one of
@@ -351,9 +366,11 @@ where
             currents: self.sensors.faults(),
             imbalance: self.balance.imbalance(),
             unbalanced_windows: self.balance.unbalanced_windows(),
+            offsets_a: self.balance.removed_a(),
             position: self.tracker.faults(),
             lock: self.tracker.lock(),
             gaps: self.gaps,
+            aligned: self.balance.is_aligned(),
         }
     }
 

@@ -206,14 +206,17 @@ fn one_wrong_reading_costs_one_sample() {
 
 #[test]
 fn after_a_lost_sample_an_error_of_half_the_limit_strays() {
-    for (lost, error_rad, followed) in [(false, 0.08, true), (true, 0.08, false), (true, 0.04, true)] {
+    // A step of 0.08 rad without a lost sample before it is followed, as a slip.
+    for (lost, error_rad, followed) in [(false, 0.08, false), (true, 0.08, false), (true, 0.04, true)] {
         let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(7));
         (0..100).for_each(|_| _ = tracker.push(&converter(1.0, &mut noise)));
         if lost {
             assert!(tracker.push(&Position::Missing).is_none());
         }
         let tracked = tracker.push(&converter(1.0 + error_rad, &mut noise));
-        assert_eq!((tracked.is_some(), tracker.faults().strayed), (followed, u32::from(!followed)), "{error_rad}");
+        let PositionFaults { strayed, slipped, .. } = tracker.faults();
+        assert_eq!(tracked.is_some(), followed, "{error_rad}");
+        assert_eq!((strayed, slipped), (u32::from(lost && !followed), u32::from(!lost)), "{error_rad}");
     }
 }
 
@@ -335,4 +338,80 @@ fn the_start_of_a_resolver_is_that_of_a_full_arctangent() {
     assert!((1e-7..=4e-6).contains(&loops), "{loops}");
     // The error (1) of the one angle has other roundings than that of the other: each has two sines within 2e-7.
     assert!((1e-8..=4e-7).contains(&measured), "{measured}");
+}
+
+/// Readings of 100 rad/s, as `change` leaves them; the number of those that the loop gives back behind the first 100.
+fn steady(rad_s: f64, change: impl Fn(usize, f64) -> f64) -> (usize, PositionFaults) {
+    let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(11));
+    let mut given = 0;
+    for k in 0..10_340 {
+        let reading = converter(change(k, rad_s * k as f64 / RATE_HZ), &mut noise);
+        given += usize::from(tracker.push(&reading).is_some() && k >= 100);
+    }
+    (given, tracker.faults())
+}
+
+#[test]
+fn a_steady_angle_has_no_fault_at_any_speed() {
+    for rad_s in [0.0, 3.0, 40.0, 400.0, -90.0] {
+        assert_eq!(steady(rad_s, |_, truth| truth), (10_240, PositionFaults::default()), "{rad_s}");
+    }
+    // To and fro, through rest.
+    let swing = |k: usize, _| 2.0 * (30.0 * k as f64 / RATE_HZ).sin();
+    assert_eq!(steady(0.0, swing), (10_240, PositionFaults::default()));
+}
+
+#[test]
+fn readings_that_repeat_while_the_shaft_turns_are_missing() {
+    for length in [1, 3, 10] {
+        let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(12));
+        let (mut held, mut wrong) = (Position::Missing, 0);
+        for k in 0..10_000_usize {
+            let truth = 70.0 * k as f64 / RATE_HZ;
+            let fresh = converter(truth, &mut noise);
+            let stale = k >= 1000 && k % 100 < length;
+            held = if stale { held } else { fresh };
+            let tracked = tracker.push(&held);
+            assert_eq!(tracked.is_some(), k >= 22 && !stale, "sample {k}");
+            wrong += usize::from(tracked.is_some_and(|tracked| departure_deg(tracked.measured(), truth).abs() > 0.05));
+        }
+        // The loop goes on at its velocity. 14 bits and a count of noise are 0.044°.
+        assert_eq!((wrong, tracker.faults().stale), (0, 90 * length as u32), "{length}");
+        assert_eq!(tracker.faults().slipped, 0);
+    }
+}
+
+#[test]
+fn a_shaft_that_stops_is_found_again() {
+    // From 400 rad/s within a sample.
+    let (given, faults) = steady(400.0, |k, truth| truth.min(400.0 * 0.5).min(if k < 5000 { truth } else { 200.0 }));
+    assert!(faults.stale < 25 && faults.losses <= 1 && given > 10_150, "{given} {faults:?}");
+}
+
+#[test]
+fn a_slip_is_counted_and_costs_one_sample() {
+    let slip = |k: usize, truth: f64| truth + TURN / 80.0 * (k / 2000).min(4) as f64;
+    for rad_s in [0.0, 100.0, -100.0] {
+        let (given, faults) = steady(rad_s, slip);
+        assert_eq!((given, faults.slipped, faults.strayed, faults.losses), (10_236, 4, 0, 0), "{rad_s}");
+    }
+    // 0.02 rad are below a quarter of the limit.
+    let small = |k: usize, truth: f64| truth + if k < 5000 { 0.0 } else { 0.02 };
+    assert_eq!(steady(100.0, small).1, PositionFaults::default());
+}
+
+#[test]
+fn angles_at_unequal_times_make_windows_unsteady() {
+    let jitter = |part: f64, rad_s: f64| {
+        let scattered = move |k: usize, truth: f64| {
+            let state = (k as u32 ^ 0x5bd1).wrapping_mul(0x7feb_352d);
+            let uniform = f64::from((state ^ state >> 15).wrapping_mul(0x846c_a68b)) / 2_147_483_648.0 - 1.0;
+            truth + part * uniform * rad_s / RATE_HZ
+        };
+        steady(rad_s, scattered).1.unsteady_windows
+    };
+    // 0.6 uniform are 0.35 of an interval rms; of ten windows, the first may contain the search. At 3 rad/s the
+    // quantisation is larger.
+    assert!(jitter(0.6, 100.0) >= 9, "{}", jitter(0.6, 100.0));
+    assert_eq!([jitter(0.1, 100.0), jitter(0.6, 3.0)], [0, 0]);
 }

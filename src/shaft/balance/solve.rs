@@ -115,6 +115,38 @@ impl Estimated {
         if friction.scores().is_finite() { Ok(friction) } else { Err(Reason::NotFinite(Part::TorqueBalance)) }
     }
 
+    /// Whether the rows fit the negated nominal parameters far better than the nominal ones, in a plan without a load:
+    /// a signal has the opposite sign, also where a tight prior keeps the estimates near the nominal values.
+    ///
+    /// ```text
+    /// J(n) − J(−n) = −4 s² m Σₖ (pₖ − qₖ) wₖ nₖ,   qₖ = Σⱼ Cₖⱼ wⱼ nⱼ,   wₖ = σ₀²/(prior² s²)
+    /// N ln(J(n)/J(−n)) > 25,   J(n) = N m s²,   N = rows/m − terms
+    /// ```
+    ///
+    /// J is the sum of squares of residual and prior, C the covariance, m the rows per independent row, and 25 five
+    /// standard deviations of a likelihood ratio.
+    #[inline(never)]
+    pub(in crate::shaft) fn is_opposed(&self, balance: &Balance, rows: u32) -> bool {
+        let terms = Balance::terms(false);
+        let pull = |k: usize| {
+            let term = terms.get(k).copied().unwrap_or(0);
+            let of = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
+            let ratio = balance.deviation / of(&balance.prior);
+            ratio * ratio / self.variance * of(&balance.nominal)
+        };
+        let mut difference = 0.0;
+        for k in 0..terms.len() {
+            let mut rest = self.delta.get(k).copied().unwrap_or(0.0);
+            for j in 0..terms.len() {
+                let (low, high) = if j < k { (j, k) } else { (k, j) };
+                rest -= self.covariance.get(lower(high, low)).copied().unwrap_or(0.0) * pull(j);
+            }
+            difference -= 4.0 * rest * pull(k);
+        }
+        let independent = rows as f32 / balance.row_spread - terms.len() as f32;
+        1.0 - difference / independent < libm::expf(-25.0 / independent)
+    }
+
     /// The k-th parameter that is estimated.
     #[inline(never)]
     fn parameter(&self, balance: &Balance, load: bool, k: usize) -> Parameter {

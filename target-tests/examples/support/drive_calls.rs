@@ -53,7 +53,7 @@ fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
         let currents = CurrentSensors::convert(&mut sensors, &currents);
         if let Some(tracked) = opaque(PositionTracker::push(&mut tracker, &position)) {
             let electrical = RotorFrame::electrical(&constants.frame, Tracked::measured(&tracked));
-            opaque(CurrentBalance::push(&mut balance, opaque(currents), electrical));
+            opaque(CurrentBalance::push(&mut balance, opaque(currents), electrical, electrical.sin_cos()));
         }
         opaque((PositionTracker::lock(&tracker), PositionTracker::velocity_rad_s(&tracker)));
     }
@@ -62,6 +62,7 @@ fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
     opaque(PositionTracker::mismatched(&tracker));
     PositionTracker::clear_faults(opaque(&mut tracker));
     opaque((CurrentBalance::imbalance(&balance), CurrentBalance::unbalanced_windows(&balance)));
+    opaque(CurrentBalance::is_aligned(&balance));
     CurrentBalance::clear_faults(opaque(&mut balance));
     opaque((CurrentSensors::faults(&sensors), CurrentSensors::any_stuck(&sensors)));
     CurrentSensors::clear_faults(opaque(&mut sensors));

@@ -5,7 +5,7 @@ use core::hint::black_box as opaque;
 use bearing_watch::alarm::{Growth, Interval, SilenceLimits};
 use bearing_watch::model::{BaselineConstants, Directions};
 use bearing_watch::plan::Plan;
-use bearing_watch::{Detector, Evidence, Exchange, Model, Monitor, Segment};
+use bearing_watch::{Detector, Evidence, Exchange, Implausible, Model, Monitor, RateCheck, Segment};
 
 /// Every public function of a monitor.
 pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample: impl FnMut() -> P::Sample) {
@@ -30,6 +30,10 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     let mut other = opaque(Monitor::following_if(Monitor::new(model), opaque(Some(constants))));
     opaque(Monitor::step(&mut other, detector, &sample()).is_some());
     opaque(Monitor::finish(&mut other, detector).alarm);
+    Monitor::refuse(&mut other, opaque(Some(Implausible::Rate)));
+    let mut rate = opaque(RateCheck::new(opaque(500.0), 1000.0, 0.02, opaque(2000)));
+    opaque((RateCheck::push(&mut rate, opaque(1), opaque(2)), RateCheck::ratio(&rate)));
+    RateCheck::restart(&mut rate);
     let mut bytes = opaque([0; 1000]);
     opaque(Monitor::save_within_run(&other, &mut bytes).is_ok());
     opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor), Monitor::trend(&monitor)));

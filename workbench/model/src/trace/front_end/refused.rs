@@ -38,10 +38,14 @@ pub fn words(faults: &Faults) -> String {
                 format!(": the gain of phase {phase:?} is wrong by {:.1} %", 100.0 * error)
             }
             Imbalance::Unnamed => String::new(),
+            Imbalance::Offset { phase, offset_a } => format!(": the offset of phase {phase:?} is {offset_a:.2} A"),
+            Imbalance::Misaligned => {
+                " or the rotor, with which they do not turn (phase order, direction of the angle, pole pairs)".into()
+            }
         };
-        words.push(format!("the three currents do not fit each other{cause}"));
+        words.push(format!("the currents do not fit each other{cause}"));
     } else if faults.unbalanced_windows > 0 {
-        words.push(format!("{} windows in which the three currents do not fit each other", faults.unbalanced_windows));
+        words.push(format!("{} windows in which the currents do not fit each other", faults.unbalanced_windows));
     }
     let position = &faults.position;
     let resolver = &position.resolver;
@@ -49,6 +53,9 @@ pub fn words(faults: &Faults) -> String {
         (position.missing, "angles missing"),
         (position.strayed, "angles strayed"),
         (position.losses, "losses of the angle"),
+        (position.stale, "angles repeated while the shaft turns"),
+        (position.slipped, "slips of the angle"),
+        (position.unsteady_windows, "windows of angles at unequal times"),
         (resolver.lost, "resolver signals too small"),
         (resolver.too_high, "resolver signals too large"),
         (resolver.mismatched, "resolver signals unequal"),
