@@ -7,7 +7,8 @@ use crate::signal::{Angle, RAD};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Position {
-    /// Demodulated sine and cosine of a resolver, or of a sine/cosine encoder, in the unit of [`ResolverLimits`].
+    /// Demodulated sine and cosine of a resolver, or of a sine/cosine encoder, in the unit of
+    /// [`ResolverLimits`](super::ResolverLimits).
     Resolver {
         /// Amplitude times sine.
         sin: f32,

@@ -225,6 +225,9 @@ where
     const LAG: usize = Filters::<3, FACTOR>::DELAY + Filters::<3, FACTOR>::LATENCY;
     /// Raw samples between the instant of a clean sample and the call that returns it.
     pub const DELAY: usize = Self::LAG + 1;
+    /// Samples between two outputs.
+    #[expect(clippy::cast_possible_truncation, reason = "the factor is at most 48")]
+    const BETWEEN: u16 = FACTOR as u16 - 1;
     /// Samples before the first centre of an output.
     #[expect(clippy::cast_possible_truncation, reason = "below the factor, at most 48")]
     const FIRST_CENTRE: u16 =
@@ -278,7 +281,7 @@ where
             let turn = electrical.sin_cos();
             self.balance.gather(currents, electrical, turn);
             // In a sample that gives no output, so that an interrupt has one of the two at a time.
-            if self.balance.is_full() && (FACTOR == 1 || self.since_output != const { FACTOR as u16 - 1 }) {
+            if self.balance.is_full() && (FACTOR == 1 || self.since_output != Self::BETWEEN) {
                 self.balance.close();
                 self.sensors.shift(self.balance.remove_offsets());
             }
