@@ -121,7 +121,8 @@ impl ShaftPlan {
                 cell_turns_log2: cell_turns_log2(self.orders.iter().map(|(_, order)| *order), self.slip, turns),
                 slip: self.slip as f32,
                 slowest_rad_s: slowest_rad_s as f32,
-                pole: 0.9,
+                // Of one corner, whatever a step is.
+                pole: 0.9_f32.powi(self.decimation.into()),
                 high_pass: 0.0,
             },
         }
