@@ -155,6 +155,7 @@ fn plans() {
     }
     opaque([Layout::regressed(&layout), Layout::squares(&layout), Layout::instruments(&layout)]);
     opaque([Layout::two_level(&layout), Layout::columns(&layout), Layout::packed(&layout)]);
+    opaque(Layout::moments(&layout));
     opaque([Layout::parameters(&layout), Layout::covariance(&layout), Layout::delays(&layout)]);
     opaque([Layout::filters(&layout), Layout::watched(&layout), Layout::orders(&layout), Layout::map(&layout)]);
     opaque([Layout::density(&layout), Layout::densities(&layout), Layout::means(&layout), Layout::costs(&layout)]);
