@@ -128,8 +128,8 @@ pub enum Implausible {
     /// The torque constant is far from that of training, by less than a factor of √2: the gain of all currents or of
     /// the load has changed, or the magnet; a bearing does not change it.
     TorqueConstant,
-    /// The rows do not come at the rate of the model, by a clock ([`RateCheck`](crate::RateCheck)): each comes twice, or
-    /// the timer of the samples is wrong.
+    /// The rows do not come at the rate of the model, by a clock ([`RateCheck`](crate::RateCheck)): each comes twice,
+    /// or the timer of the samples is wrong.
     Rate,
 }
 

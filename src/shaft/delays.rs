@@ -7,9 +7,9 @@
 //! H(φ) e^{3jφ} = ½ + (9 cos φ − cos 3φ)/16 = ½ + ¾ c − ¼ c³,   c = cos φ                              (2)
 //! ```
 //!
-//! φ is the phase a sample. (1) is flat at φ = 0 up to the third derivative, ½ at a quarter of the sampling rate, and 0 at
-//! half of it (Mintzer, *On half-band, third-band and Nth-band FIR filters*, 1982). It passes a tenth of
-//! the rate by 0.97.
+//! φ is the phase a sample. (1) is flat at φ = 0 up to the third derivative, ½ at a quarter of the sampling rate, and 0
+//! at half of it (Mintzer, *On half-band, third-band and Nth-band FIR filters*, 1982). It passes a tenth of the rate by
+//! 0.97.
 
 use crate::plan::{FILTERED_MOMENTS, MOMENTS};
 

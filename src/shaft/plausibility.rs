@@ -26,9 +26,9 @@
 //! (2): the residual already contains what the wrong gain leaves.
 //!
 //! Not found are a wrong sign without a load if the load that was not measured explains the current of training better
-//! than the motion does; scales and rates that are wrong by less than √2, or by less than the healthy values of the model
-//! spread; wrong signals of a shaft at constant speed under constant load; wrong scales without a measured load, except
-//! by (3); and wrong signals of a plan without a shaft.
+//! than the motion does; scales and rates that are wrong by less than √2, or by less than the healthy values of the
+//! model spread; wrong signals of a shaft at constant speed under constant load; wrong scales without a measured load,
+//! except by (3); and wrong signals of a plan without a shaft.
 
 use super::balance::{Balance, Friction, Parameter, TERMS};
 use crate::reason::Implausible::{

@@ -109,9 +109,8 @@ pub(super) struct Usage {
 pub struct Shaft<P: Plan> {
     /// Of a filter's moments, the first [`BEFORE`] again behind the last, so that those that it reads are in a row.
     ring: Array<P::Moments, Moment>,
+    /// Place of the last sample; an odd one is between two steps of a filter.
     place: u8,
-    /// Whether the last sample was one between two steps.
-    is_between: bool,
     /// The step whose orders are added at the next sample.
     taken: Option<Taken>,
     /// Steps until what is read of the ring is full and the filters have started.
@@ -172,7 +171,6 @@ impl<P: Plan> Shaft<P> {
         Self {
             ring: Cells::filled(plan.layout().moments(), Moment::default()),
             place: 0,
-            is_between: false,
             taken: None,
             filling: FILLING,
             lost: 0,
@@ -223,12 +221,7 @@ impl<P: Plan> Shaft<P> {
         if layout.is_halved() {
             self.halved(sums, layout, constants, moment);
         } else {
-            let [current, velocity, load, _] = self.delays.all();
-            let now = Torques {
-                current_a: self.between(current, |moment| moment.torques.current_a),
-                velocity_rad_s: self.between(velocity, |moment| moment.torques.velocity_rad_s),
-                load_nm: if layout.load.is_some() { self.between(load, |moment| moment.torques.load_nm) } else { 0.0 },
-            };
+            let now = self.torques(layout.load.is_some(), Self::between);
             if let Some((turned, residual)) = self.balanced(sums, layout, constants, &now) {
                 self.orders.step(&mut sums.orders, &constants.tracking, turned, (layout.harmonics, residual));
             }
@@ -243,8 +236,7 @@ impl<P: Plan> Shaft<P> {
             *cell = moment;
         }
         let tracking = &constants.tracking;
-        self.is_between = !self.is_between;
-        if self.is_between {
+        if self.place % 2 == 1 {
             if let Some(taken) = self.taken.take() {
                 self.orders.leave(&mut sums.orders, tracking, layout.harmonics, taken);
             }
@@ -253,12 +245,7 @@ impl<P: Plan> Shaft<P> {
             }
             return;
         }
-        let [current, velocity, load, _] = self.delays.all();
-        let now = Torques {
-            current_a: self.filtered(current, |moment| moment.torques.current_a),
-            velocity_rad_s: self.filtered(velocity, |moment| moment.torques.velocity_rad_s),
-            load_nm: if layout.load.is_some() { self.filtered(load, |moment| moment.torques.load_nm) } else { 0.0 },
-        };
+        let now = self.torques(layout.load.is_some(), Self::filtered);
         if let Some((turned, residual)) = self.balanced(sums, layout, constants, &now) {
             self.taken = Some(self.orders.take(tracking, turned, residual));
         }
@@ -357,15 +344,26 @@ impl<P: Plan> Shaft<P> {
         self.ring.cells().get(place as usize).copied().unwrap_or_default()
     }
 
+    /// The signals at the instant of a step, each read back by its delay.
     #[inline(always)]
-    fn between(&self, delay: Delay, pick: impl Fn(&Moment) -> f32) -> f32 {
+    fn torques(&self, has_load: bool, at: impl Fn(&Self, Delay, fn(&Moment) -> f32) -> f32) -> Torques {
+        let [current, velocity, load, _] = self.delays.all();
+        Torques {
+            current_a: at(self, current, |moment| moment.torques.current_a),
+            velocity_rad_s: at(self, velocity, |moment| moment.torques.velocity_rad_s),
+            load_nm: if has_load { at(self, load, |moment| moment.torques.load_nm) } else { 0.0 },
+        }
+    }
+
+    #[inline(always)]
+    fn between(&self, delay: Delay, pick: fn(&Moment) -> f32) -> f32 {
         let (newer, older) = (pick(&self.back(delay.whole)), pick(&self.back(delay.whole.wrapping_add(1))));
         newer + delay.part * (older - newer)
     }
 
     /// The signal behind the half-band filter.
     #[inline(always)]
-    fn filtered(&self, delay: Delay, pick: impl Fn(&Moment) -> f32) -> f32 {
+    fn filtered(&self, delay: Delay, pick: fn(&Moment) -> f32) -> f32 {
         let oldest = self.place.wrapping_sub(delay.whole).wrapping_sub(BEFORE) % FILTERED_RING;
         let moments = self.ring.cells().get(oldest as usize..).and_then(<[Moment]>::first_chunk::<TAPS>);
         let Some([m7, m6, m5, m4, m3, m2, m1, m0]) = moments else { return 0.0 };
@@ -396,11 +394,12 @@ impl<P: Plan> Shaft<P> {
         self.balance.renew(&constants.balance);
         self.orders.renew();
         // The last sample is not trusted: one that is lost next would be replaced by it. Those before it are not read.
-        if let Some(last) = self.ring.cells_mut().get_mut(self.place as usize) {
+        self.place = 0;
+        if let Some(last) = self.ring.cells_mut().first_mut() {
             *last = Moment::default();
         }
         // Steps that fill the ring start filters and travel.
-        (self.filling, self.lost, self.spoilt, self.is_between) = (FILLING, 0, 0, false);
+        (self.filling, self.lost, self.spoilt) = (FILLING, 0, 0);
     }
 }
 

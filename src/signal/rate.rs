@@ -4,9 +4,9 @@
 //! ratio = (rows / ticks) / (rows of the model a tick)                                        (1)
 //! ```
 //!
-//! A velocity that is computed from the angle of the same rows agrees with it at any rate, so that rows that come twice,
-//! held or interpolated, or a timer at the wrong rate, show in no signal. The firmware has a clock of its own, the
-//! millisecond tick. Cost: a division once a window, in the main loop.
+//! A velocity that is computed from the angle of the same rows agrees with it at any rate, so that rows that come
+//! twice, held or interpolated, or a timer at the wrong rate, show in no signal. The firmware has a clock of its own,
+//! the millisecond tick. Cost: a division once a window, in the main loop.
 
 /// Compares the number of rows with a clock.
 ///
@@ -30,8 +30,8 @@ pub struct RateCheck {
 }
 
 impl RateCheck {
-    /// For rows at `rows_hz` and a clock of `ticks_hz`. A window closes after `window` ticks or more; a tolerance of two
-    /// per cent needs windows of a hundred times the delay with which a main loop may read the clock.
+    /// For rows at `rows_hz` and a clock of `ticks_hz`. A window closes after `window` ticks or more; a tolerance of
+    /// two per cent needs windows of a hundred times the delay with which a main loop may read the clock.
     #[must_use]
     pub const fn new(rows_hz: f32, ticks_hz: f32, tolerance: f32, window: u32) -> Self {
         Self { rows_a_tick: rows_hz / ticks_hz, tolerance, window, begin: None, ratio: f32::NAN }

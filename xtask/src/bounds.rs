@@ -41,8 +41,8 @@ pub const BOUNDS: [Bound; 117] = [
     bound("half-band decimation, 3 channels, mean sample", Some(8), 160),
     bound("half-band decimation, 3 channels, worst sample", Some(8), 205),
     bound("sin_cos + Clarke + Park", None, 60),
-    // With the direction of the current vector, offsets, and readings of the angle that are stale or have slipped, which
-    // no plan without a load would find otherwise.
+    // With the direction of the current vector, offsets, and readings of the angle that are stale or have slipped,
+    // which no plan without a load would find otherwise.
     bound("front end, converter, 2 currents, mean sample", Some(8), 515),
     bound("front end, converter, 2 currents, worst sample", Some(8), 655),
     bound("front end, converter, 2 currents, mean sample", Some(10), 495),
@@ -92,7 +92,7 @@ pub const BOUNDS: [Bound; 117] = [
     bound("front end, converter, 2 currents, worst sample, any data", Some(8), 665),
     bound("front end, converter, 2 currents, worst sample, any data", Some(10), 775),
     bound("front end, resolver, 3 currents, 2 further, worst sample, any data", Some(8), 895),
-    bound("interrupt of a drive, mean row", Some(10), 710),
+    bound("interrupt of a drive, mean row", Some(10), 690),
     bound("interrupt of a drive, row that closes", Some(10), 2780),
     bound("interrupt of a drive, row that discards", Some(10), 2650),
     // What runs in the interrupt, 3 % above the estimate.
@@ -116,7 +116,7 @@ pub const BOUNDS: [Bound; 117] = [
     // The sample that closes a part divides by the response of the filter.
     cycles("shaft alone, 1 order without load, collect, longest sample", Some(1), 2280),
     cycles("shaft alone, 1 order without load, collect, sample that closes", Some(1), 1750),
-    cycles("interrupt of a drive, mean row", Some(10), 1470),
+    cycles("interrupt of a drive, mean row", Some(10), 1450),
     cycles("interrupt of a drive, longest row", Some(10), 5700),
     cycles("interrupt of a drive, row that closes", Some(10), 5900),
     cycles("interrupt of a drive, row that discards", Some(10), 6000),

@@ -6,12 +6,12 @@ use std::path::Path;
 
 use bearing_watch::drive::{
     BalanceLimits, By, Factor, Faults, FrontEnd, FrontEndConstants, Imbalance, PhaseCounts, PhaseSensor, Position,
-    RawSample, ResolverLimits, RotorFrame, TrackingConstants,
+    RawSample, TrackingConstants,
 };
 use bearing_watch::model::{Balance, Feature, Lags};
 use bearing_watch::plan::{Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::shaft::Friction;
-use bearing_watch::{Angle, Detector, FrictionTerm, Implausible, Model, Monitor, Park, RateCheck, Reason, Verdict};
+use bearing_watch::{Angle, Detector, FrictionTerm, Implausible, Model, Monitor, RateCheck, Reason, Verdict};
 use host_tests::plans::constants;
 use rig::DefectKind;
 use rig::ema::{EmaDefect, EmaScenario, Logging, Race};
@@ -64,17 +64,9 @@ fn front_end(control_rate_hz: f32, bandwidth_hz: f32, noise_a: f32) -> FrontEndC
     FrontEndConstants {
         control_rate_hz,
         sensors: [SENSOR; 3],
-        stuck_samples: 0,
         balance: BalanceLimits { noise_a, gain_tolerance: 0.02, window: 128 },
-        tracking: TrackingConstants {
-            bandwidth_hz,
-            damping: 0.7,
-            error_limit_rad: 0.1,
-            lost_samples: 20,
-            settle_samples: 20,
-            resolver: ResolverLimits { low: 0.8, high: 1.2, mismatch: 0.05 },
-        },
-        frame: RotorFrame { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard },
+        tracking: TrackingConstants { bandwidth_hz, ..actuator::FRONT_END.tracking },
+        ..actuator::FRONT_END
     }
 }
 
@@ -184,9 +176,9 @@ fn model(balance: Balance, lags: Lags, load: bool, segment: u32) -> Model<RunTim
     let mut shaft = dc_motor::shaft(plan, lags);
     shaft.balance = balance;
     let features = [Feature::Friction(FrictionTerm::Drag)];
-    let mut own = constants(plan, segment, &[1e3, 1e4, 1e3][..channels as usize], &features, Some(&shaft));
-    own.sampling.interval_s = balance.interval_s;
-    Model::new(plan, own).expect("a good model")
+    let mut trained = constants(plan, segment, &[1e3, 1e4, 1e3][..channels as usize], &features, Some(&shaft));
+    trained.sampling.interval_s = balance.interval_s;
+    Model::new(plan, trained).expect("a good model")
 }
 
 /// The verdict of a record and its estimates.
@@ -223,11 +215,11 @@ impl Drive {
             ..self.base
         };
         let untrained = model(weak, self.lags, load, LONG);
-        let found: Vec<Friction> =
+        let frictions: Vec<Friction> =
             (0..6).map(|k| judge(&untrained, &self.clean(DefectKind::Healthy, 100 + k, &|_, _, _| ()).0).1).collect();
         let spread = |of: &dyn Fn(&Friction) -> f32| {
-            let mean = found.iter().map(of).sum::<f32>() / found.len() as f32;
-            let square = found.iter().map(|own| (of(own) - mean).powi(2)).sum::<f32>() / found.len() as f32;
+            let mean = frictions.iter().map(of).sum::<f32>() / frictions.len() as f32;
+            let square = frictions.iter().map(|own| (of(own) - mean).powi(2)).sum::<f32>() / frictions.len() as f32;
             (mean, square.sqrt())
         };
         let mut balance = weak;
@@ -293,10 +285,10 @@ fn a_sign_without_a_load_is_found_where_the_motion_explains_the_current() {
             }
             let (verdict, _, orders) = judge(&model, &samples);
             println!("{}, {kind:?}: {verdict:?}, orders {:?} {orders:?}", drive.name, right.2);
-            let found = verdict == Verdict::Undetermined(Reason::Implausible(Implausible::Sign));
+            let refused = verdict == Verdict::Undetermined(Reason::Implausible(Implausible::Sign));
             // The load of the DC motor is most of its current; the bearing orders do not depend on the sign.
-            assert!(found || drive.name == "DC motor", "{}, {kind:?}: {verdict:?}", drive.name);
-            for (own, other) in right.2.iter().zip(&orders).filter(|_| !found) {
+            assert!(refused || drive.name == "DC motor", "{}, {kind:?}: {verdict:?}", drive.name);
+            for (own, other) in right.2.iter().zip(&orders).filter(|_| !refused) {
                 assert!((own - other).abs() < 0.15 * own.abs() + 0.01, "{}: {own} {other}", drive.name);
             }
         }

@@ -3,12 +3,14 @@
 
 use std::f64::consts::TAU;
 
+use bearing_watch::Angle;
 use bearing_watch::drive::{
-    BalanceLimits, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample, ResolverLimits,
-    RotorFrame, TrackingConstants, Wiring, WiringCheck, WiringFault, WiringLimits,
+    BalanceLimits, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample, Wiring, WiringCheck,
+    WiringFault, WiringLimits,
 };
-use bearing_watch::{Angle, Park};
 use rig::ema::{EmaScenario, EmaTrace, Logging, simulate};
+
+use super::drive_faults::actuator::FRONT_END;
 
 /// Control rate of the actuator.
 const RATE_HZ: f32 = 12_000.0;
@@ -35,17 +37,8 @@ impl Drive {
         let constants = FrontEndConstants {
             control_rate_hz: RATE_HZ,
             sensors: [SENSOR; 3],
-            stuck_samples: 0,
             balance: BalanceLimits { noise_a: 1.0, gain_tolerance: 0.05, window: 320 },
-            tracking: TrackingConstants {
-                bandwidth_hz: 300.0,
-                damping: 0.7,
-                error_limit_rad: 0.1,
-                lost_samples: 20,
-                settle_samples: 20,
-                resolver: ResolverLimits { low: 0.8, high: 1.2, mismatch: 0.05 },
-            },
-            frame: RotorFrame { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard },
+            ..FRONT_END
         };
         Self { constants, phases: [0, 1, 2], angle_reversed: false, velocity: 1.0, late: 0 }
     }

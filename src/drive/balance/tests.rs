@@ -149,8 +149,8 @@ fn offsets_are_removed_up_to_their_limit() {
     // Beyond 2 σ it stays refused whatever was removed.
     let (left, balance) = removed([0.45, 0.0, 0.0], |_| 10.0);
     assert!((left[0] - 0.25).abs() < 1e-3, "{left:?}");
-    let found = balance.imbalance();
-    assert!(matches!(found, Some(Imbalance::Offset { phase: Phase::A, .. })), "{found:?}");
+    let imbalance = balance.imbalance();
+    assert!(matches!(imbalance, Some(Imbalance::Offset { phase: Phase::A, .. })), "{imbalance:?}");
 }
 
 #[test]
@@ -199,8 +199,8 @@ fn a_misalignment_ends_with_the_fourth_window_that_is_aligned() {
         (balance.imbalance(), balance.is_aligned())
     };
     let (wrong, right) = ((Some(Imbalance::Misaligned), false), (None, true));
-    let found = [false, true, false, false, false, false, false].map(&mut window);
-    assert_eq!(found, [right, wrong, wrong, wrong, wrong, right, right]);
+    let windows = [false, true, false, false, false, false, false].map(&mut window);
+    assert_eq!(windows, [right, wrong, wrong, wrong, wrong, right, right]);
 }
 
 #[test]
@@ -213,14 +213,14 @@ fn field_oriented_currents_are_aligned() {
         |angle| (-4.0 * (0.07 * angle).sin().abs(), 10.0 * (0.07 * angle).sin()),
     ];
     for (case, axes) in axes.into_iter().enumerate() {
-        let found = finding(1.0, 100.0, [1.0; 3], |_, angle| {
+        let imbalance = finding(1.0, 100.0, [1.0; 3], |_, angle| {
             let (d, q) = axes(angle);
             [0.0, 1.0, 2.0].map(|k| {
                 let phase = angle - k * core::f64::consts::TAU / 3.0;
                 d * phase.cos() - q * phase.sin()
             })
         });
-        assert_eq!(found, None, "{case}");
+        assert_eq!(imbalance, None, "{case}");
     }
 }
 
@@ -235,8 +235,8 @@ fn of_two_sensors_offset_and_direction_are_found() {
     };
     assert_eq!(seen(0.0, [1, 0]), Some(Imbalance::Misaligned));
     // Its own, and that of the sum in its place; noise of three sensors is in it as above.
-    let found = seen(0.5, [0, 1]);
-    assert!(matches!(found, Some(Imbalance::Offset { phase: Phase::A | Phase::C, .. })), "{found:?}");
+    let shifted = seen(0.5, [0, 1]);
+    assert!(matches!(shifted, Some(Imbalance::Offset { phase: Phase::A | Phase::C, .. })), "{shifted:?}");
 }
 
 #[test]

@@ -200,8 +200,6 @@ where
     centres: Centres,
     /// Samples until the next centre of an output.
     to_centre: u16,
-    /// Samples since the last output.
-    since_output: u16,
     /// The number that the next sample must have.
     next: Option<u32>,
     /// Samples to spoil after a gap.
@@ -225,9 +223,9 @@ where
     const LAG: usize = Filters::<3, FACTOR>::DELAY + Filters::<3, FACTOR>::LATENCY;
     /// Raw samples between the instant of a clean sample and the call that returns it.
     pub const DELAY: usize = Self::LAG + 1;
-    /// Samples between two outputs.
-    #[expect(clippy::cast_possible_truncation, reason = "the factor is at most 48")]
-    const BETWEEN: u16 = FACTOR as u16 - 1;
+    /// Samples to the next centre before a call that returns an output.
+    #[expect(clippy::cast_possible_truncation, reason = "below the factor, at most 48")]
+    const OUTPUT: u16 = ((FACTOR - Self::LAG % FACTOR) % FACTOR) as u16;
     /// Samples before the first centre of an output.
     #[expect(clippy::cast_possible_truncation, reason = "below the factor, at most 48")]
     const FIRST_CENTRE: u16 =
@@ -258,7 +256,6 @@ where
             further: Filters::<FURTHER, FACTOR>::NEW,
             centres: Centres::NEW,
             to_centre: Self::FIRST_CENTRE,
-            since_output: 0,
             next: None,
             spoilt: 0,
             gaps: 0,
@@ -281,7 +278,7 @@ where
             let turn = electrical.sin_cos();
             self.balance.gather(currents, electrical, turn);
             // In a sample that gives no output, so that an interrupt has one of the two at a time.
-            if self.balance.is_full() && (FACTOR == 1 || self.since_output != Self::BETWEEN) {
+            if self.balance.is_full() && (FACTOR == 1 || self.to_centre != Self::OUTPUT) {
                 self.balance.close();
                 self.sensors.shift(self.balance.remove_offsets());
             }
@@ -303,9 +300,7 @@ where
             self.spoilt = self.spoilt.wrapping_sub(1);
             (held, velocity_rad_s) = (Held::MISSING, f32::NAN);
         }
-        let output = self.filter(held, velocity_rad_s);
-        self.since_output = if output.is_some() { 0 } else { self.since_output.saturating_add(1) };
-        output
+        self.filter(held, velocity_rad_s)
     }
 
     /// Takes a raw sample at commissioning, for a check of the wiring instead of the filters; the velocity is one of

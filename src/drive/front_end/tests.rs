@@ -83,6 +83,33 @@ impl Drive {
 /// its error, and 3·10⁻⁴ of 0.002 rad. A sample of delay would be 0.1 A, 0.15 rad/s, 0.01 rad and 0.3.
 const TOLERANCES: [f64; 4] = [3e-3, 5e-3, 2e-5, 2e-3];
 
+#[test]
+fn the_sample_of_an_output_is_known_before_it() {
+    fn at<const FACTOR: usize>()
+    where
+        By<FACTOR>: Factor,
+    {
+        let mut front_end = FrontEnd::<2, FACTOR>::new(&CONSTANTS).unwrap();
+        let drive = Drive { passed_hz: 1.0 };
+        // A gap does not move the outputs.
+        let mut outputs = 0;
+        for number in (0..40 * FACTOR as u32).filter(|number| *number != 21 * FACTOR as u32 + 1) {
+            let expected = front_end.to_centre % FACTOR as u16 == FrontEnd::<2, FACTOR>::OUTPUT;
+            let output = front_end.push(&drive.raw(number, 0.0)).is_some();
+            assert!(expected || !output, "by {FACTOR}: {number}");
+            outputs += u32::from(output);
+        }
+        assert!(outputs > 5, "by {FACTOR}: {outputs}");
+    }
+    at::<1>();
+    at::<2>();
+    at::<6>();
+    at::<8>();
+    at::<10>();
+    at::<24>();
+    at::<40>();
+}
+
 fn aligned<const FACTOR: usize>()
 where
     By<FACTOR>: Factor,

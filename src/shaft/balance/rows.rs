@@ -29,10 +29,10 @@
 //! n is nominal, s² the variance of the residual and σ₀² that of healthy ones: the precision of p is the sum of that of
 //! the rows, c/σ², and of its own prior. The priors of the other terms and of p₇ stay. c is at least 1/64.
 //!
-//! A row is rotated into the sums one pivot a sample, or more if rows are less than eight samples apart, so that the work
-//! is distributed. After every [`ROWS_A_REFRESH`] rows the time of one row is used for a back substitution, as many
-//! parameters a sample as pivots: the present parameters then follow the segment. If the nominal parameters fit better than an estimate of a part of a segment,
-//! they are kept ([`Balance::own_from_rows`]).
+//! A row is rotated into the sums one pivot a sample, or more if rows are less than eight samples apart, so that the
+//! work is distributed. After every [`ROWS_A_REFRESH`] rows the time of one row is used for a back substitution, as
+//! many parameters a sample as pivots: the present parameters then follow the segment. If the nominal parameters fit
+//! better than an estimate of a part of a segment, they are kept ([`Balance::own_from_rows`]).
 //!
 //! `cargo xtask measure` prints instructions and state of a detector with it.
 

@@ -12,8 +12,8 @@ pub const MIN_BLOCKS: u32 = 4;
 /// Most blocks of a segment: sums of more in single precision would lose digits. [`least_steps`] bounds them.
 pub const MAX_BLOCKS: u32 = 1_000_000;
 
-/// Steps that a block takes at least: one finds its end, and then each closes an order and harmonic, a control order, or
-/// the block.
+/// Steps that a block takes at least: one finds its end, and then each closes an order and harmonic, a control order,
+/// or the block.
 pub const fn least_steps(orders: u8, harmonics: u8) -> u64 {
     (orders as u64).saturating_mul(harmonics as u64).saturating_add(CONTROLS as u64 + 2)
 }

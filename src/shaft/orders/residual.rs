@@ -57,7 +57,7 @@ pub(in crate::shaft) struct ResidualState {
 
 /// The residual of one interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Residual {
+pub(in crate::shaft) struct Residual {
     /// y of (4), A.
     pub white: f32,
     /// g of (5) with the sign of ω: a friction torque has that sign.

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! (1) is the filter of [`super::residual`] from ρ to y. By the half angle nothing cancels where θ is small. Without a
-//! high-pass, γ = 0, its factors are 1. Where each second sample is taken, θ is that of two samples, and H has the factor
-//! ½ + ¾ c − ¼ c³ of the half-band filter ((2) of [`delays`](crate::shaft::delays)).
+//! high-pass, γ = 0, its factors are 1. Where each second sample is taken, θ is that of two samples, and H has the
+//! factor ½ + ¾ c − ¼ c³ of the half-band filter ((2) of [`delays`](crate::shaft::delays)).
 
 use super::blocks::Blocks;
 use super::phasor::phasor;

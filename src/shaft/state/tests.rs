@@ -32,10 +32,11 @@ pub fn balance() -> Balance {
 }
 
 fn constants(current_lag: f32, decimation: u8) -> ShaftConstants<RunTime> {
-    let each = balance();
-    let halved =
-        Balance { interval_s: 0.002, filter: StateVariable::new(0.1, 0.002), row_interval: 2, settle: 25, ..each };
-    let balance = if decimation == 2 { halved } else { each };
+    let mut balance = balance();
+    if decimation == 2 {
+        let filter = StateVariable::new(0.1, 0.002);
+        balance = Balance { interval_s: 0.002, filter, row_interval: 2, settle: 25, ..balance };
+    }
     let tracking = Tracking { orders: vec![], blocks: Blocks::EMPTY };
     ShaftConstants { lags: Lags { current: current_lag, ..Lags::default() }, balance, tracking }
 }

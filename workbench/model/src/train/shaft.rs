@@ -32,7 +32,7 @@ pub(super) fn model(
     plan: &ShaftPlan,
     wiring: &Wiring,
 ) -> Result<(ShaftLayout, ShaftConstants<RunTime>), Error> {
-    let found = with_balance(traces, sizes, plan, wiring, |bench, plan, constants, own| {
+    let trained = with_balance(traces, sizes, plan, wiring, |bench, plan, constants, own| {
         if plan.orders.is_empty() {
             return Ok(Ok((layout(plan, wiring)?, constants)));
         }
@@ -43,7 +43,7 @@ pub(super) fn model(
         }
     })?;
     // Other harmonics have other noise, for which other filters are best: as if they had been given.
-    found.or_else(|fewer| model(traces, sizes, &fewer, wiring))
+    trained.or_else(|fewer| model(traces, sizes, &fewer, wiring))
 }
 
 /// Returns the cost of [`filters`] with this plan.

@@ -3,8 +3,8 @@
 //! ```text
 //! cell       as wide as the slip allows, but at most a sixteenth of a trace's turns                        (1)
 //! controls   orders far from all integers and from all harmonics of the tracked orders                 (2)
-//! steps      each second sample if h O |ω|/2π of the highest harmonic is at most 0.22 of the rate, with the |ω| that 99 %
-//!            of the samples do not exceed                                                              (3)
+//! steps      each second sample if h O |ω|/2π of the highest harmonic is at most 0.22 of the rate, with the |ω|
+//!            that 99 % of the samples do not exceed                                                    (3)
 //! ```
 
 use std::f64::consts::TAU;
