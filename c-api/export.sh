@@ -6,6 +6,8 @@
 # The library that cargo makes also defines, as weak symbols, functions such as `sinf`, `memcpy` and `__aeabi_dmul`,
 # which Rust brings along. Where it comes before the C library on the linker's command line, as always with g++, they
 # would serve the whole program: several times slower, and without a message.
+#
+# Of a library for one plan it also writes bearing_watch_plan.h beside OUT: the sizes of its memory, for model.h.
 set -eu
 prefix=$1 library=$2 out=$3
 object=${out%.a}.o
@@ -18,3 +20,12 @@ roots=$("${prefix}nm" -g --defined-only "$library" 2>/dev/null | sed -n 's/^.* T
 rm -f "$out"
 "${prefix}ar" rcsD "$out" "$object"
 rm "$object"
+size() { "${prefix}nm" "$library" 2>/dev/null | sed -n "s/^0*\([0-9a-f][0-9a-f]*\) A bw_size_of_$1\$/0x\1/p" | head -n 1; }
+state=$(size state)
+if [ -n "$state" ]; then
+    {
+        echo "/* Bytes of memory that this library needs, made by export.sh. */"
+        echo "#define BW_MODEL_STATE_SIZE $((state))u"
+        echo "#define BW_MODEL_FRONT_END_SIZE $(($(size front_end)))u"
+    } > "$(dirname "$out")/bearing_watch_plan.h"
+fi

@@ -9,7 +9,7 @@ fn main() {
     let text = fs::read_to_string(&readme).unwrap_or_default();
     let block = text.split("<!-- src/monitor.rs -->\n```rust\n").nth(1).and_then(|rest| rest.split("```").next());
     match (block, env::var("OUT_DIR")) {
-        (Some(code), Ok(out)) if code.contains("pub fn interrupt(") => {
+        (Some(code), Ok(out)) if code.contains("pub fn current_loop(") => {
             if let Err(error) = fs::write(Path::new(&out).join("readme.rs"), code) {
                 println!("cargo::error=cannot write the code of README.md: {error}");
             }

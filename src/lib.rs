@@ -41,6 +41,7 @@
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    Detector, of the interrupt: samples ─► Segment;   Monitor, of the main loop: Segment ─► Report, Alarm
 //!             alarm and baseline as bytes;   Commissioning: reports of the healthy drive ─► its own Model, on request
+//! watch       front end, detector and monitor as one static, for interrupts and main loop, on request
 //! storage     records in flash that survive power-off
 //! telemetry   reports and samples as frames for a serial line, and their decoder; reports as frames for CAN
 //! signature   signed models, and saved states under a key of the drive
@@ -51,11 +52,12 @@
 //! (but for the host's feature `alloc`), contains no `unsafe`, and uses no fused multiply-add: the same samples give
 //! the same bits on a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
 //!
-//! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (the driver `ad2s1210`),
-//! `embedded-storage` (records in flash), `telemetry` (frames for a serial line or CAN), `signature` (signed models,
-//! sealed states), `nalgebra` (conversions of covariance and projection),
-//! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator,
-//! as the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).
+//! Features: `watch` ([`watch::Watch`], one object for interrupts and main loop), `defmt` (formats, and a log line for
+//! each segment), `embedded-hal` (the driver `ad2s1210`), `embedded-storage` (records in flash), `telemetry` (frames for
+//! a serial line or CAN), `signature` (signed models, sealed states), `nalgebra` (conversions of covariance and
+//! projection), `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an
+//! allocator, as the C interface needs them), `internals` (parts for this repository's tests and measurements; not
+//! stable).
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -101,6 +103,9 @@ pub mod telemetry;
 #[cfg(test)]
 mod tests;
 mod unroll;
+#[cfg(all(feature = "watch", target_has_atomic = "8"))]
+pub mod watch;
+mod watch_static;
 
 pub use alarm::evidence::{Alarm, Cause, Evidence};
 pub use decide::Decision;
@@ -110,7 +115,7 @@ pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};
 pub use regression::estimate::Estimate;
 pub use report::{Report, Verdict};
-pub use signal::{Angle, Average, ChannelSet, Counts, Park, RateCheck};
+pub use signal::{Angle, Average, ChannelSet, Counts, CountsPerTurn, Park, RateCheck};
 
 #[cfg(feature = "defmt")]
 #[doc(hidden)]

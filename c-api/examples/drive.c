@@ -18,40 +18,23 @@ typedef struct {
     float further[BW_FRONT_END_FURTHER];
 } Row;
 
-/* The state of detector and front end; uint64_t aligns it. */
-static uint64_t detector_memory[BW_STATE_SIZE / sizeof(uint64_t)];
-static uint64_t front_end_memory[BW_FRONT_END_SIZE / sizeof(uint64_t)];
-static BwState *detector;
-static BwFrontEnd *front_end;
-
-/* Whether the angle is known: segments start there, as they do in training. */
-static bool started;
+static BwDrive drive;
 static uint32_t lost;
 static BwCode failure = BW_CODE_OK;
 
 /* The interrupt of the control loop. */
 static void control_interrupt(const Row *row) {
-    BwRawSample raw;
-    BwCleanSample clean;
-    float values[BW_MODEL_CHANNELS];
-    memcpy(raw.counts, row->counts, sizeof raw.counts);
-    raw.number = row->number;
-    raw.phases = row->flags & 2 ? 2 : 3;
-    raw.position = row->flags & 1 ? BW_POSITION_MISSING : BW_POSITION_ABSOLUTE;
-    raw.angle = row->angle; /* a drive: bw_angle(resolver_counts(), BW_FRONT_END_POSITION_BITS) */
-    raw.sin = raw.cos = 0.0f;
-    BwCode code = bw_front_end_push(front_end, &raw, row->further, BW_FRONT_END_FURTHER, &clean);
+    BwReading reading;
+    reading.number = row->number;
+    memcpy(reading.phases, row->counts, sizeof reading.phases);
+    reading.position_missing = (row->flags & 1) != 0;
+    reading.position = row->angle >> (32 - BW_FRONT_END_POSITION_BITS); /* a drive: the counts of its converter */
+    reading.load_torque_nm = row->further[BW_FRONT_END_FURTHER_LOAD_TORQUE_NM];
+    reading.velocity_ref_rad_s = row->further[BW_FRONT_END_FURTHER_VELOCITY_REF_RAD_S];
+    BwCode code = bw_drive_sample(&drive, &reading);
     if (code == BW_CODE_CLEAN_SAMPLE) {
-        /* Comparisons with NaN are false. */
-        started = started || (clean.velocity_rad_s == clean.velocity_rad_s && clean.current_a == clean.current_a);
-        if (!started) {
-            return;
-        }
-        if (clean.found_late) {
-            bw_discard(detector, NULL); /* a fault that shows only after a window of samples: those before were wrong */
-        }
-        bw_front_end_values(&clean, values);
-        code = bw_collect(detector, values, BW_MODEL_CHANNELS, clean.angle);
+        /* A drive requests the interrupt below this one, which makes this call. */
+        code = bw_drive_collect(&drive);
         lost += code == BW_CODE_SEGMENT_LOST;
     }
     if (code < 0 && code != BW_CODE_SEGMENT_LOST) {
@@ -62,20 +45,15 @@ static void control_interrupt(const Row *row) {
 /* Not used: the recording stands for the interrupt. */
 void SysTick_Handler(void) {}
 
-static void print_report(void) {
-    static const char *const verdicts[] = {"class", "novel", "ambiguous", "undetermined"};
-    BwReport report;
-    BwAlarm alarm;
+static void print_report(const BwReport *report, const BwAlarm *alarm) {
     float likelihoods[BW_MAX_CLASSES];
     size_t count = 0;
     char label[17];
-    bw_report(detector, &report);
-    bw_alarm(detector, &alarm);
-    bw_label(detector, report.class_index, label, sizeof label);
-    const char *verdict = report.verdict == BW_VERDICT_CLASS ? label : verdicts[report.verdict];
-    const char *end = alarm.raised && alarm.segment == report.segment ? ", ALARM" : "";
-    printf("segment %lu: %lu rows, %s%s\n", (unsigned long)report.segment - 1, (unsigned long)report.rows, verdict, end);
-    bw_values(detector, BW_VALUES_LOG_LIKELIHOODS, likelihoods, BW_MAX_CLASSES, &count);
+    bw_label(drive.detector, report->class_index, label, sizeof label);
+    const char *verdict = report->verdict == BW_VERDICT_CLASS ? label : bw_verdict_name(report->verdict);
+    const char *end = alarm->raised && alarm->segment == report->segment ? ", ALARM" : "";
+    printf("segment %lu: %lu rows, %s%s\n", (unsigned long)report->segment - 1, (unsigned long)report->rows, verdict, end);
+    bw_values(drive.detector, BW_VALUES_LOG_LIKELIHOODS, likelihoods, BW_MAX_CLASSES, &count);
     for (size_t k = 0; k < count; k++) {
         printf("  log-likelihood %u %08lx\n", (unsigned)k, bits(likelihoods[k]));
     }
@@ -83,24 +61,17 @@ static void print_report(void) {
 
 /* One turn of the main loop; returns its code. A drive sends the report instead of printing it. */
 static BwCode turn(void) {
-    BwCode code = bw_advance(detector);
+    BwReport report;
+    BwAlarm alarm;
+    BwCode code = bw_drive_advance(&drive, &report, &alarm);
     if (code == BW_CODE_REPORT) {
-        bw_adopt(detector); /* with the interrupt masked */
-        print_report();
+        print_report(&report, &alarm);
     }
     return code;
 }
 
-static BwCode start(void) {
-    BwCode code = bw_init(detector_memory, sizeof detector_memory, bw_model, BW_MODEL_LENGTH, &detector);
-    if (code >= 0) {
-        code = bw_front_end_init(front_end_memory, sizeof front_end_memory, &bw_front_end, &front_end);
-    }
-    return code < 0 ? code : bw_check_front_end(detector, &bw_front_end);
-}
-
 int main(void) {
-    BwCode code = start();
+    BwCode code = bw_drive_start(&drive, &bw_front_end);
     if (code < 0) {
         return failed("start", code);
     }
@@ -122,8 +93,8 @@ int main(void) {
     }
     BwFrontEndFaults faults;
     BwAlarm alarm;
-    bw_front_end_faults(front_end, &faults);
-    bw_alarm(detector, &alarm);
+    bw_front_end_faults(drive.front_end, &faults);
+    bw_alarm(drive.detector, &alarm);
     printf("%lu segments, %lu lost, front end clear: %s\n", (unsigned long)alarm.segments, (unsigned long)lost,
            faults.clear ? "true" : "false");
     return 0;

@@ -157,6 +157,10 @@ enum BwCode
   BW_CODE_BUFFER_TOO_SMALL = -10,
   // The blocks before were not sent: the sample is not recorded.
   BW_CODE_RECORDER_FULL = -11,
+  // Four samples wait already: this one is lost, and counts as one with bad values.
+  BW_CODE_SAMPLE_LOST = -12,
+  // The chip, or its settings in this context, computes otherwise than the host of the training.
+  BW_CODE_ARITHMETIC = -13,
   // The bytes are not a model.
   BW_CODE_NOT_A_MODEL = -20,
   // The model has another format version: train it again.
@@ -1016,9 +1020,37 @@ BwCode bw_discard(struct BwState *state, uint8_t *before_in_doubt);
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `samples` is NULL or writable.
 BwCode bw_pending(struct BwState *state, uint32_t *samples);
 
+// Puts a sample into a queue of four in the interrupt of the current loop, for `bw_collect_waiting` in an interrupt
+// below it, which may come up to three samples late. `values` and `angle` are those of `bw_collect`; `found_late` is
+// that of `BwCleanSample`.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_WRONG_CHANNEL_COUNT`, or `BW_CODE_SAMPLE_LOST` if four samples wait: this one then
+// counts as one with bad values.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count` readable
+// values. Only one context calls this function.
+BwCode bw_put(struct BwState *state, const float *values, size_t count, uint32_t angle, bool found_late);
+
+// Takes all samples that wait, as `bw_collect` and `bw_discard` do, in an interrupt below the current loop or in the
+// same one. The first call tests the arithmetic of its context (`bw_known_answer_test`): call it once before the power
+// stage is on. If the test fails, the samples stay, and no segment closes.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_SEGMENT` or `BW_CODE_SEGMENT_LOST` as `bw_collect` does, `BW_CODE_ARITHMETIC`, or
+// `BW_CODE_BUSY` if it interrupted `bw_adopt`, `bw_restart` or the like: the samples then wait for the next call.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. Only one context calls this function.
+BwCode bw_collect_waiting(struct BwState *state);
+
 // Returns the angle of a converter with `resolution_bits` bits a turn as the fraction of a turn that `bw_collect`
 // takes: 2^32 is one turn.
 uint32_t bw_angle(uint32_t counts, uint32_t resolution_bits);
+
+// Returns the angle of an encoder with `counts_per_turn` counts a turn, four times its lines, as `bw_angle` does. The
+// counter may count on over turns in both directions, or be reset at each. 0 if a turn has no counts, or more than
+// 2^24 - 1.
+uint32_t bw_angle_from_cpr(int32_t counts, uint32_t counts_per_turn);
 
 // Does the next step of the solve of the closed segment, of bounded cost; call it again and again in the main loop.
 // The first step takes the segment, so that the interrupt can close the next one. The alarm takes account of the

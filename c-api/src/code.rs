@@ -49,6 +49,10 @@ pub enum BwCode {
     BufferTooSmall = -10,
     /// The blocks before were not sent: the sample is not recorded.
     RecorderFull = -11,
+    /// Four samples wait already: this one is lost, and counts as one with bad values.
+    SampleLost = -12,
+    /// The chip, or its settings in this context, computes otherwise than the host of the training.
+    Arithmetic = -13,
     /// The bytes are not a model.
     NotAModel = -20,
     /// The model has another format version: train it again.
@@ -112,7 +116,7 @@ pub enum BwCode {
 }
 
 impl BwCode {
-    const ALL: [Self; 49] = [
+    const ALL: [Self; 51] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
@@ -132,6 +136,8 @@ impl BwCode {
         Self::OutOfRange,
         Self::BufferTooSmall,
         Self::RecorderFull,
+        Self::SampleLost,
+        Self::Arithmetic,
         Self::NotAModel,
         Self::ModelVersion,
         Self::ModelTruncated,
@@ -185,6 +191,8 @@ impl BwCode {
             Self::OutOfRange => c"an index or a choice is out of range",
             Self::BufferTooSmall => c"the buffer is too small",
             Self::RecorderFull => c"the blocks before were not sent: the sample is not recorded",
+            Self::SampleLost => c"a sample is lost: those before it were not collected",
+            Self::Arithmetic => c"the chip computes otherwise than the host of the training",
             Self::NotAModel => c"these bytes are not a bearing-watch model",
             Self::ModelVersion => c"the model has another format version; train it again",
             Self::ModelTruncated => c"the model is truncated",

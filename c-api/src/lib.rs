@@ -41,6 +41,7 @@
 
 mod about;
 mod alarm;
+mod angle;
 mod blocks;
 mod calibration;
 mod can;
@@ -60,6 +61,7 @@ mod signature;
 mod solving;
 mod state;
 mod telemetry;
+mod waiting;
 mod wiring;
 
 pub use about::{
@@ -67,6 +69,7 @@ pub use about::{
     bw_version,
 };
 pub use alarm::{BwAlarm, bw_alarm, bw_deny, bw_end_run, bw_limit_silence, bw_reset};
+pub use angle::{bw_angle, bw_angle_from_cpr};
 pub use calibration::{
     BW_CALIBRATION_SIZE, BwCalibration, BwCalibrationLimits, BwRefusedOffset, bw_calibration_finish,
     bw_calibration_init, bw_calibration_push,
@@ -93,7 +96,7 @@ pub use recorder::{
     bw_raw_recorder_push, bw_recorder_init, bw_recorder_push, bw_recorder_skip,
 };
 pub use report::{BwPart, BwReason, BwReport, BwValues, BwVerdict, bw_report, bw_values};
-pub use sampling::{bw_angle, bw_collect, bw_discard, bw_pending, bw_restart, bw_step};
+pub use sampling::{bw_collect, bw_discard, bw_pending, bw_restart, bw_step};
 pub use saved::{bw_restore, bw_save, bw_saved_size};
 #[cfg(feature = "signature")]
 pub use signature::{
@@ -105,6 +108,7 @@ pub use telemetry::{
     BW_FRAME_SIZE, BW_TELEMETRY_SIZE, BwTelemetry, bw_telemetry_hello, bw_telemetry_init, bw_telemetry_raw,
     bw_telemetry_report, bw_telemetry_samples,
 };
+pub use waiting::{bw_collect_waiting, bw_put};
 pub use wiring::{
     BW_WIRING_SIZE, BwWiring, BwWiringCheck, BwWiringFault, BwWiringLimits, bw_wiring_conclude, bw_wiring_init,
     bw_wiring_text,

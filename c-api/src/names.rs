@@ -41,7 +41,7 @@ const REASONS: Names<16> = names! {
     BwReason::FoundLate => "a fault that was found after the segment may have begun in it",
 };
 
-const CODES: Names<49> = names! {
+const CODES: Names<51> = names! {
     BwCode::Ok => "BW_CODE_OK",
     BwCode::Segment => "BW_CODE_SEGMENT",
     BwCode::Report => "BW_CODE_REPORT",
@@ -61,6 +61,8 @@ const CODES: Names<49> = names! {
     BwCode::OutOfRange => "BW_CODE_OUT_OF_RANGE",
     BwCode::BufferTooSmall => "BW_CODE_BUFFER_TOO_SMALL",
     BwCode::RecorderFull => "BW_CODE_RECORDER_FULL",
+    BwCode::SampleLost => "BW_CODE_SAMPLE_LOST",
+    BwCode::Arithmetic => "BW_CODE_ARITHMETIC",
     BwCode::NotAModel => "BW_CODE_NOT_A_MODEL",
     BwCode::ModelVersion => "BW_CODE_MODEL_VERSION",
     BwCode::ModelTruncated => "BW_CODE_MODEL_TRUNCATED",

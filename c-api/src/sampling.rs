@@ -10,7 +10,7 @@ use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
 use crate::state::{BwState, OwnDetector, OwnMonitor};
 
-type Sample = <Own as Plan>::Sample;
+pub(crate) type Sample = <Own as Plan>::Sample;
 
 /// Most lost samples that are made up for at once: more than the shaft bridges, so that everything starts anew.
 const MOST_MISSED: u32 = 16;
@@ -35,7 +35,7 @@ pub unsafe extern "C" fn bw_collect(state: *mut BwState, values: *const f32, cou
 
 /// The state and the sample, if both are good.
 #[inline]
-unsafe fn sample<'a>(
+pub(crate) unsafe fn sample<'a>(
     state: *const BwState,
     values: *const f32,
     count: usize,
@@ -53,16 +53,19 @@ unsafe fn sample<'a>(
 }
 
 fn collect(state: &BwState, sample: &Sample) -> Outcome {
-    let collect = |detector: &mut OwnDetector| {
-        take(state, sample, |sample| {
-            // SAFETY: this function holds the sampling half of the state, and nothing else fills the slot.
-            match unsafe { state.closed.with_spare(|spare| detector.exchange(sample, spare)) } {
-                Exchange::Open => Ok(BwCode::Ok),
-                closed => keep(state, closed),
-            }
-        })
-    };
-    state.sampling.with(collect).unwrap_or_else(|busy| lose(state, busy))
+    state.sampling.with(|detector| take_into(state, detector, sample)).unwrap_or_else(|busy| lose(state, busy))
+}
+
+/// Takes a sample into the detector, which the caller holds.
+#[inline]
+pub(crate) fn take_into(state: &BwState, detector: &mut OwnDetector, sample: &Sample) -> Outcome {
+    take(state, sample, |sample| {
+        // SAFETY: the caller holds the sampling half of the state, and nothing else fills the slot.
+        match unsafe { state.closed.with_spare(|spare| detector.exchange(sample, spare)) } {
+            Exchange::Open => Ok(BwCode::Ok),
+            closed => keep(state, closed),
+        }
+    })
 }
 
 /// Counts a sample that the detector could not take.
@@ -127,7 +130,7 @@ fn keep(state: &BwState, exchange: Exchange<'static, Own>) -> Outcome {
 }
 
 /// Adds one. By load and store: only the holder of the part counts, and a lost count would only be a lost count.
-fn count(counter: &AtomicU32) {
+pub(crate) fn count(counter: &AtomicU32) {
     counter.store(counter.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
 }
 
@@ -217,13 +220,6 @@ pub unsafe extern "C" fn bw_pending(state: *mut BwState, samples: *mut u32) -> B
     let pending = unsafe { at(state) }.and_then(|state| state.sampling.with(|detector| detector.pending()));
     // SAFETY: the same contract.
     code(pending.and_then(|pending| unsafe { put(samples, pending) }).map(|()| BwCode::Ok))
-}
-
-/// Returns the angle of a converter with `resolution_bits` bits a turn as the fraction of a turn that `bw_collect`
-/// takes: 2^32 is one turn.
-#[unsafe(no_mangle)]
-pub extern "C" fn bw_angle(counts: u32, resolution_bits: u32) -> u32 {
-    Angle::from_counts(counts, resolution_bits).bits()
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use bearing_watch::{Detector, Model, Monitor, RateCheck, Segment};
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{BW_STATE_ALIGN, Object, Tag, check, elements, put, room};
 use crate::plan::Own;
+use crate::waiting::Waiting;
 
 /// Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 /// exactly is needed.
@@ -41,6 +42,7 @@ pub struct Halves {
     /// Number of the segment that `bw_discard` has put in doubt; [`NO_SEGMENT`] at first.
     pub(crate) doubted: AtomicU32,
     pub(crate) closed: Slot<Segment<Own>>,
+    pub(crate) waiting: Waiting,
     pub(crate) sampling: Lock<OwnDetector>,
     pub(crate) model: Model<Own>,
     /// The open segment and the one of the slot, in turns.
@@ -221,6 +223,7 @@ unsafe fn init(
         (&raw mut (*own).0.lost_samples).write(AtomicU32::new(0));
         (&raw mut (*own).0.lost_segments).write(AtomicU32::new(0));
         (&raw mut (*own).0.missed).write(AtomicU32::new(0));
+        (&raw mut (*own).0.waiting).write(Waiting::new());
         (&raw mut (*own).0.doubted).write(AtomicU32::new(NO_SEGMENT));
         let [open, spare] = place_segments(own);
         (&raw mut (*own).0.closed).write(Slot::new(spare));
@@ -278,3 +281,14 @@ unsafe fn place_monitor(own: *mut BwState, model: &'static Model<Own>) {
     // SAFETY: the contract of the caller.
     unsafe { (&raw mut (*own).0.solving).write(Lock::new(Monitor::new(model))) };
 }
+
+// The sizes of a library for one plan, as numbers that `export.sh` reads from its symbols: they take no memory.
+#[cfg(all(target_os = "none", bearing_watch_plan))]
+core::arch::global_asm!(
+    ".globl bw_size_of_state",
+    ".set bw_size_of_state, {state}",
+    ".globl bw_size_of_front_end",
+    ".set bw_size_of_front_end, {front_end}",
+    state = const size_of::<BwState>(),
+    front_end = const size_of::<crate::front_end::BwFrontEnd>(),
+);

@@ -18,13 +18,15 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 20] = [
+const SOURCES: [&str; 22] = [
     "code",
     "plan",
     "signature",
     "memory",
     "state",
     "sampling",
+    "waiting",
+    "angle",
     "solving",
     "rate",
     "report",

@@ -16,8 +16,6 @@ pub struct Sampler {
     pub detector: Detector<'static, Drive, Place>,
     /// The place that the main loop has given back.
     pub spare: Option<Place>,
-    /// Whether the angle is known: segments start there, as they do in training.
-    started: bool,
     /// Closed segments whose next one had no spare place.
     lost: u32,
 }
@@ -28,20 +26,16 @@ impl Sampler {
         let front_end = DriveFrontEnd::new(&FRONT_END).map_err(|error| error.message())?;
         let Some((first, second)) = places!(&MODEL, Drive) else { return Err("the places are taken") };
         let detector = Detector::with_place(&MODEL, first);
-        Ok(Self { front_end, detector, spare: Some(second), started: false, lost: 0 })
+        Ok(Self { front_end, detector, spare: Some(second), lost: 0 })
     }
 
     /// Takes a row of the recording; returns a closed segment once in seconds. The main loop gives its place back to
     /// `spare`.
     pub fn sample(&mut self, raw: &RawSample<FURTHER>) -> Option<Place> {
         let clean = self.front_end.push(raw)?;
-        self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
         if clean.found_late {
             // A fault that shows only after a window of samples: those before were wrong.
             self.detector.discard();
-        }
-        if !self.started {
-            return None;
         }
         match self.detector.exchange(&clean.into(), &mut self.spare) {
             Exchange::Open => None,

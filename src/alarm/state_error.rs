@@ -33,6 +33,8 @@ pub enum StateError {
     OtherBaseline,
     /// A value is not a number, or none that this state can have.
     Value,
+    /// A `Watch` has not started, or another context works on its monitor.
+    Unavailable,
 }
 
 impl StateError {
@@ -48,6 +50,7 @@ impl StateError {
             Self::OtherModel { .. } => "the state is that of another model",
             Self::OtherBaseline => "the baseline of the state has other constants",
             Self::Value => "a value of the state is out of range",
+            Self::Unavailable => "there is no monitor yet, or another context works on it",
         }
     }
 }

@@ -7,6 +7,7 @@ use super::validate::check;
 use crate::decide::UNMARKED;
 use crate::drive::RotorFrame;
 use crate::plan::{Cells, Plan};
+use crate::report::Verdict;
 use crate::signal::Label;
 
 /// A checked model. A detector borrows it.
@@ -69,6 +70,17 @@ impl<P: Plan> Model<P> {
     #[must_use]
     pub fn label(&self, class: u8) -> &str {
         self.constants.labels.cells().get(class as usize).map_or("", Label::as_str)
+    }
+
+    /// A verdict in a word: the name of its class, or `novel`, `ambiguous`, `undetermined`.
+    #[must_use]
+    pub fn verdict_name(&self, verdict: Verdict) -> &str {
+        match verdict {
+            Verdict::Class(class) => self.label(class),
+            Verdict::Novel => "novel",
+            Verdict::Ambiguous => "ambiguous",
+            Verdict::Undetermined(_) => "undetermined",
+        }
     }
 
     /// Checks that a rotor frame transforms currents as the recordings were transformed on which the model was trained.

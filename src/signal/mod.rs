@@ -5,6 +5,8 @@
 //!
 //! ```text
 //! angle, frame   binary angles; Clarke and Park with its sign convention
+//! counts_per_turn
+//!                counts of an encoder with any number a turn
 //! channel, gate  names and plausible values; which channels of a sample may be used
 //! average        mean and root mean square of channels over a segment
 //! block_mean     means of successive samples
@@ -16,6 +18,7 @@ mod angle;
 pub mod average;
 mod block_mean;
 mod channel;
+mod counts_per_turn;
 mod frame;
 mod gate;
 mod rate;
@@ -26,6 +29,7 @@ pub use angle::{Angle, SinCos};
 pub use average::Average;
 pub use block_mean::BlockMean;
 pub use channel::{Channel, Label, Name, limit, read};
+pub use counts_per_turn::CountsPerTurn;
 pub use frame::{Abc, AlphaBeta, Dq0, Park};
 pub use gate::{ChannelSet, Counts, Gate};
 pub use rate::RateCheck;

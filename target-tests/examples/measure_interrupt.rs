@@ -1,8 +1,9 @@
-//! The interrupt of a drive, as README has it: instructions of a row of raw counts, one JSON object a line.
+//! The interrupts of a drive, as README has them: instructions of a row of raw counts in the current loop, and of a
+//! clean sample in the interrupt below it, one JSON object a line.
 //!
 //! The model is that of `examples/support/actuator`, with shorter segments: three currents, a converter of 14 bits, two
 //! further channels, decimation from 10 kHz to 1 kHz, least squares of 8 parameters, shaft with four orders of three
-//! harmonics. `cargo xtask pil` counts the same on a recording.
+//! harmonics. `cargo xtask pil` counts both together on a recording.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
@@ -16,12 +17,16 @@ mod model {
 
 use core::hint::black_box;
 
+use bearing_watch::Model;
 use bearing_watch::drive::{PhaseCounts, RawSample};
-use bearing_watch::{Detector, Exchange, Model, Monitor, Segment};
+use static_cell::StaticCell;
 
-use model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
+use model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL, WATCH};
 use support::count::Counter;
 use support::raw::{Motor, Sensors};
+
+/// The model with shorter segments.
+static SHORT: StaticCell<Model<Drive>> = StaticCell::new();
 
 /// Samples of a segment, at the rate of identification.
 const SEGMENT: u32 = 600;
@@ -43,78 +48,57 @@ fn run() {
     };
     let mut constants = MODEL.constants().clone();
     constants.sampling.segment_samples = SEGMENT;
-    let Ok(model) = Model::new(MODEL.plan(), constants) else { return say!("no model with short segments") };
-    let Ok(front_end) = DriveFrontEnd::new(&FRONT_END) else { return say!("no front end") };
-    let [mut one, mut other] = [(); 2].map(|()| Segment::new(&model));
-    let detector = Detector::with_place(black_box(&model), &mut one);
-    let mut drive = Interrupt { front_end, detector, spare: Some(&mut other), closed: None };
-    let mut monitor = Monitor::new(&model);
+    let Ok(short) = Model::new(MODEL.plan(), constants) else { return say!("no model with short segments") };
+    if WATCH.start(black_box(SHORT.init(short)), &FRONT_END).is_err() {
+        return say!("the drive does not start");
+    }
+    // It tells what the samples are that the other one counts.
+    let Ok(mut front_end) = DriveFrontEnd::new(&FRONT_END) else { return say!("no front end") };
     let mut motor = Motor::<FURTHER>::new(Sensors::Converter);
     for _ in 0..WARM {
-        drive.row(&row(&mut motor, 0));
-        drive.give_back(&mut monitor);
+        let raw = row(&mut motor, 0);
+        front_end.push(&raw);
+        WATCH.sample(raw);
+        WATCH.collect();
     }
-    let (mut sum, mut longest, mut closing, mut discarding) = (0, 0, 0, 0);
+    let (mut rows, mut samples, mut closing, mut discarding) = ([0; 3], [0; 3], 0, 0);
     for number in 0..ROWS + FAULTY {
         let raw = row(&mut motor, if number < ROWS { 0 } else { ERROR });
-        let mut event = Event::None;
-        let taken = counter.instructions_once(|| event = drive.row(black_box(&raw)));
-        drive.give_back(&mut monitor);
-        match event {
-            Event::Closed => closing = taken,
-            Event::Discarded => discarding = taken.max(discarding),
-            Event::None => longest = taken.max(longest),
+        let clean = front_end.push(&raw);
+        add(&mut rows, counter.instructions_once(|| _ = WATCH.sample(black_box(raw))), number < ROWS);
+        if let Some(clean) = clean {
+            let mut closed = false;
+            let taken = counter.instructions_once(|| closed = WATCH.collect());
+            match (closed, clean.found_late) {
+                (true, _) => closing = taken.max(closing),
+                (false, true) => discarding = taken.max(discarding),
+                (false, false) => add(&mut samples, taken, number < ROWS),
+            }
         }
-        if number < ROWS {
-            sum += taken;
-        }
+        // The main loop does its steps between two rows.
+        WATCH.advance(|_| ());
     }
-    if closing == 0 || discarding == 0 {
-        say!("no segment was closed, or no fault was found");
+    if closing == 0 || discarding == 0 || WATCH.status().lost_samples > 0 {
+        say!("no segment was closed, no fault was found, or a sample was lost");
     }
-    line("mean row", sum / ROWS);
-    line("longest row", longest);
-    line("row that closes", closing);
-    line("row that discards", discarding);
+    line("current loop of a drive, mean row", mean(rows));
+    line("current loop of a drive, longest row", rows[2]);
+    line("below the current loop, mean sample", mean(samples));
+    line("below the current loop, longest sample", samples[2]);
+    line("below the current loop, sample that closes", closing);
+    line("below the current loop, sample that discards", discarding);
 }
 
-/// What a row caused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Event {
-    None,
-    Closed,
-    Discarded,
+/// Adds to sum and number, if the data are good, and to the longest.
+fn add([sum, number, longest]: &mut [u32; 3], taken: u32, good: bool) {
+    *longest = taken.max(*longest);
+    if good {
+        (*sum, *number) = (*sum + taken, *number + 1);
+    }
 }
 
-/// What the interrupt works on.
-struct Interrupt<'a> {
-    front_end: DriveFrontEnd,
-    detector: Detector<'a, Drive, &'a mut Segment<Drive>>,
-    spare: Option<&'a mut Segment<Drive>>,
-    closed: Option<&'a mut Segment<Drive>>,
-}
-
-impl Interrupt<'_> {
-    fn row(&mut self, raw: &RawSample<FURTHER>) -> Event {
-        let Some(clean) = self.front_end.push(raw) else { return Event::None };
-        let found_late = clean.found_late;
-        if found_late {
-            self.detector.discard();
-        }
-        if let Exchange::Closed(place) = self.detector.exchange(&clean.into(), &mut self.spare) {
-            self.closed = Some(place);
-            return Event::Closed;
-        }
-        if found_late { Event::Discarded } else { Event::None }
-    }
-
-    /// What the main loop does with a closed segment.
-    fn give_back(&mut self, monitor: &mut Monitor<'_, Drive>) {
-        if let Some(place) = self.closed.take() {
-            monitor.take_from(place);
-            self.spare = Some(place);
-        }
-    }
+fn mean([sum, number, _]: [u32; 3]) -> u32 {
+    sum / number.max(1)
 }
 
 /// A row of the motor with its third current, and an error of the first one.
@@ -128,5 +112,5 @@ fn row(motor: &mut Motor<FURTHER>, error: u16) -> RawSample<FURTHER> {
 }
 
 fn line(what: &str, instructions: u32) {
-    say!(r#"{{"name":"interrupt of a drive, {what}","n":10,"instructions":{instructions},"bytes":null}}"#);
+    say!(r#"{{"name":"{what}","n":10,"instructions":{instructions},"bytes":null}}"#);
 }

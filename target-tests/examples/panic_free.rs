@@ -40,6 +40,8 @@ mod signature_calls;
 mod storage_calls;
 #[path = "support/telemetry_calls.rs"]
 mod telemetry_calls;
+#[path = "support/watch_calls.rs"]
+mod watch_calls;
 
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
@@ -66,6 +68,7 @@ fn run() {
     storage_calls::run(|error| show(error));
     signature_calls::run(|error| show(error));
     rotor_calls::run();
+    watch_calls::run(|error| show(error));
     plans();
     constants();
     detector(&model::MODEL, |[current_a, velocity_ref_rad_s, load_torque_nm, ..]| model::Sample {
@@ -88,6 +91,9 @@ fn front_end() {
     opaque(Angle::bits(Angle::negated(opaque(angle))));
     opaque(Angle::radians(Angle::plus(Angle::times(opaque(angle), opaque(6)), opaque(other))));
     opaque(Angle::since(opaque(angle), opaque(other)));
+    if let Some(turn) = CountsPerTurn::new(opaque(8000)) {
+        opaque(CountsPerTurn::angle(turn, opaque(-5)));
+    }
     let electrical = opaque(Angle::sin_cos(opaque(angle)));
 
     let stator = AlphaBeta::from_two(opaque(1.5), opaque(-0.25));

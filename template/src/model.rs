@@ -230,10 +230,40 @@ pub const fn position(counts: u32) -> bearing_watch::drive::Position {
     bearing_watch::drive::Position::Absolute(bearing_watch::Angle::from_counts(counts, 14))
 }
 
+/// What the drive reads at one instant of its control loop.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Number of the instant, such as that of the PWM period: a missed interrupt leaves a gap.
+    pub number: u32,
+    /// Converter counts of the currents of phases a, b and c.
+    pub phases: [u16; 3],
+    /// Counts of the position sensor; `None` if the reading is missing.
+    pub position: Option<u32>,
+    /// N·m; NaN if it is missing.
+    pub load_torque_nm: f32,
+    /// rad/s; NaN if it is missing.
+    pub velocity_ref_rad_s: f32,
+}
+
+#[rustfmt::skip]
+impl From<Reading> for bearing_watch::drive::RawSample<FURTHER> {
+    #[inline]
+    fn from(reading: Reading) -> Self {
+        let currents = bearing_watch::drive::PhaseCounts::Three(reading.phases);
+        let position = reading.position.map_or(bearing_watch::drive::Position::Missing, position);
+        Self { number: reading.number, currents, position, further: [reading.load_torque_nm, reading.velocity_ref_rad_s] }
+    }
+}
+
 #[rustfmt::skip]
 impl From<bearing_watch::drive::CleanSample<FURTHER>> for Sample {
     fn from(clean: bearing_watch::drive::CleanSample<FURTHER>) -> Self {
         let [load_torque_nm, velocity_ref_rad_s] = clean.further;
         Self { current_a: clean.current_a, velocity_rad_s: clean.velocity_rad_s, load_torque_nm, velocity_ref_rad_s, angle: clean.angle }
     }
+}
+
+bearing_watch::watch_static! {
+    /// Front end, detector and monitor of the drive.
+    pub static WATCH: Drive, DriveFrontEnd;
 }

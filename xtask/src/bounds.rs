@@ -22,7 +22,7 @@ pub struct Bound {
 }
 
 /// What is promised.
-pub const BOUNDS: [Bound; 117] = [
+pub const BOUNDS: [Bound; 120] = [
     bound("LS update", Some(8), 285),
     bound("LS update", Some(15), 735),
     bound("LS update, lambda 1", Some(8), 245),
@@ -92,9 +92,12 @@ pub const BOUNDS: [Bound; 117] = [
     bound("front end, converter, 2 currents, worst sample, any data", Some(8), 665),
     bound("front end, converter, 2 currents, worst sample, any data", Some(10), 775),
     bound("front end, resolver, 3 currents, 2 further, worst sample, any data", Some(8), 895),
-    bound("interrupt of a drive, mean row", Some(10), 690),
-    bound("interrupt of a drive, row that closes", Some(10), 2780),
-    bound("interrupt of a drive, row that discards", Some(10), 2650),
+    bound("current loop of a drive, mean row", Some(10), 640),
+    bound("current loop of a drive, longest row", Some(10), 1215),
+    bound("below the current loop, mean sample", Some(10), 1500),
+    bound("below the current loop, longest sample", Some(10), 1880),
+    bound("below the current loop, sample that closes", Some(10), 2140),
+    bound("below the current loop, sample that discards", Some(10), 2000),
     // What runs in the interrupt, 3 % above the estimate.
     cycles("front end, converter, 2 currents, mean sample", Some(8), 980),
     cycles("front end, converter, 2 currents, worst sample", Some(8), 1290),
@@ -116,10 +119,10 @@ pub const BOUNDS: [Bound; 117] = [
     // The sample that closes a part divides by the response of the filter.
     cycles("shaft alone, 1 order without load, collect, longest sample", Some(1), 2280),
     cycles("shaft alone, 1 order without load, collect, sample that closes", Some(1), 1750),
-    cycles("interrupt of a drive, mean row", Some(10), 1450),
-    cycles("interrupt of a drive, longest row", Some(10), 5700),
-    cycles("interrupt of a drive, row that closes", Some(10), 5900),
-    cycles("interrupt of a drive, row that discards", Some(10), 6000),
+    cycles("current loop of a drive, mean row", Some(10), 1285),
+    cycles("current loop of a drive, longest row", Some(10), 2725),
+    cycles("below the current loop, mean sample", Some(10), 3230),
+    cycles("below the current loop, sample that closes", Some(10), 4540),
     // With the gate, its counts and the limits of the channels.
     bytes("SRIV sample, stuck sensor and outliers told", Some(8), 620),
     // The sums are in the segment.

@@ -181,4 +181,78 @@ static inline void bw_front_end_values(const BwCleanSample *clean, float values[
     values[3] = clean->further[1];
 }
 
+/* What the drive reads at one instant. */
+typedef struct BwReading {
+    uint32_t number; /* of the instant, such as that of the PWM period: a missed interrupt leaves a gap */
+    uint16_t phases[3]; /* converter counts of the currents of phases a, b and c */
+    bool position_missing; /* the sensor or its line reports a fault */
+    uint32_t position; /* counts of the position sensor */
+    float load_torque_nm; /* N m; NAN if it is missing */
+    float velocity_ref_rad_s; /* rad/s; NAN if it is missing */
+} BwReading;
+
+/* The bytes that a library for one plan needs are in bearing_watch_plan.h, which export.sh writes beside it. */
+#if defined(__has_include)
+#if __has_include("bearing_watch_plan.h")
+#include "bearing_watch_plan.h"
+#endif
+#endif
+#ifndef BW_MODEL_STATE_SIZE
+#define BW_MODEL_STATE_SIZE BW_STATE_SIZE
+#define BW_MODEL_FRONT_END_SIZE BW_FRONT_END_SIZE
+#endif
+/* A drive: zero it, as a static is. */
+typedef struct BwDrive {
+    uint64_t detector_memory[BW_MODEL_STATE_SIZE / 8];
+    uint64_t front_end_memory[BW_MODEL_FRONT_END_SIZE / 8];
+    BwFrontEnd *front_end;
+    BwState *detector; /* for all other functions of bearing_watch.h */
+} BwDrive;
+/* At boot, before the interrupts run; with &bw_front_end, or a copy that is calibrated for this drive. */
+static inline BwCode bw_drive_start(BwDrive *drive, const BwFrontEndConstants *constants) {
+    BwCode code;
+    if (bw_known_answer_test() != 0u) { return BW_CODE_ARITHMETIC; }
+    code = bw_init(drive->detector_memory, sizeof drive->detector_memory, bw_model, BW_MODEL_LENGTH,
+                   &drive->detector);
+    if (code >= 0) {
+        code = bw_front_end_init(drive->front_end_memory, sizeof drive->front_end_memory, constants,
+                                 &drive->front_end);
+    }
+    return code < 0 ? code : bw_check_front_end(drive->detector, constants);
+}
+/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect. */
+static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
+    BwRawSample raw;
+    BwCleanSample clean;
+    float values[BW_MODEL_CHANNELS];
+    const float further[BW_FRONT_END_FURTHER] = { reading->load_torque_nm, reading->velocity_ref_rad_s };
+    BwCode code, put;
+    raw.number = reading->number;
+    raw.phases = 3;
+    raw.counts[0] = reading->phases[0];
+    raw.counts[1] = reading->phases[1];
+    raw.counts[2] = reading->phases[2];
+    raw.position = reading->position_missing ? BW_POSITION_MISSING : BW_POSITION_ABSOLUTE;
+    raw.angle = bw_angle(reading->position, BW_FRONT_END_POSITION_BITS);
+    raw.sin = 0.0f;
+    raw.cos = 0.0f;
+    code = bw_front_end_push(drive->front_end, &raw, further, BW_FRONT_END_FURTHER, &clean);
+    if (code != BW_CODE_CLEAN_SAMPLE) { return code; }
+    bw_front_end_values(&clean, values);
+    put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, clean.angle, clean.found_late != 0);
+    return put < 0 ? put : code;
+}
+/* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
+static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
+/* In the main loop, one bounded step: BW_CODE_REPORT if report and alarm were written. */
+static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm *alarm) {
+    BwCode code = bw_advance(drive->detector);
+    if (code == BW_CODE_REPORT) {
+        bw_adopt(drive->detector);
+        bw_report(drive->detector, report);
+        bw_alarm(drive->detector, alarm);
+    }
+    return code;
+}
+
 #endif

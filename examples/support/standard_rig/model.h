@@ -7,6 +7,8 @@
 
 #include <stdint.h>
 
+#include "bearing_watch.h"
+
 /* Checksum of the model: another model has another one. */
 #define BW_MODEL_ID 0x44637a3cu
 /* Number of bytes. */
@@ -80,5 +82,52 @@ static const uint8_t bw_model[BW_MODEL_LENGTH] = {
     0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x72, 0x6f, 0x75, 0x67, 0x68, 0x6e, 0x65,
     0x73, 0x73, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x3c, 0x7a, 0x63, 0x44,
 };
+
+/* What the drive reads at one instant. */
+typedef struct BwReading {
+    float current_a; /* A; NAN if it is missing */
+    float velocity_ref_rad_s; /* rad/s; NAN if it is missing */
+    float load_torque_nm; /* N m; NAN if it is missing */
+} BwReading;
+
+/* The bytes that a library for one plan needs are in bearing_watch_plan.h, which export.sh writes beside it. */
+#if defined(__has_include)
+#if __has_include("bearing_watch_plan.h")
+#include "bearing_watch_plan.h"
+#endif
+#endif
+#ifndef BW_MODEL_STATE_SIZE
+#define BW_MODEL_STATE_SIZE BW_STATE_SIZE
+#endif
+/* A drive: zero it, as a static is. */
+typedef struct BwDrive {
+    uint64_t detector_memory[BW_MODEL_STATE_SIZE / 8];
+    BwState *detector; /* for all other functions of bearing_watch.h */
+} BwDrive;
+/* At boot, before the interrupts run. */
+static inline BwCode bw_drive_start(BwDrive *drive) {
+    BwCode code;
+    if (bw_known_answer_test() != 0u) { return BW_CODE_ARITHMETIC; }
+    code = bw_init(drive->detector_memory, sizeof drive->detector_memory, bw_model, BW_MODEL_LENGTH,
+                   &drive->detector);
+    return code;
+}
+/* In the sampling interrupt, at the rate of the model; then request the interrupt of bw_drive_collect. */
+static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
+    const float values[BW_MODEL_CHANNELS] = { reading->current_a, reading->velocity_ref_rad_s, reading->load_torque_nm };
+    return bw_put(drive->detector, values, BW_MODEL_CHANNELS, 0u, false);
+}
+/* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
+static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
+/* In the main loop, one bounded step: BW_CODE_REPORT if report and alarm were written. */
+static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm *alarm) {
+    BwCode code = bw_advance(drive->detector);
+    if (code == BW_CODE_REPORT) {
+        bw_adopt(drive->detector);
+        bw_report(drive->detector, report);
+        bw_alarm(drive->detector, alarm);
+    }
+    return code;
+}
 
 #endif

@@ -104,3 +104,8 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
     Ok(model) => model,
     Err(error) => panic!("{}", error.message()),
 };
+
+bearing_watch::watch_static! {
+    /// Detector and monitor of the drive.
+    pub static WATCH: Drive;
+}

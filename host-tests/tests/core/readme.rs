@@ -1,24 +1,21 @@
-//! The firmware code of README.md and that of the book, compiled as they stand there and run on recordings of the
+//! The firmware code of README.md, compiled as it stands there, and the object that it calls, on recordings of the
 //! simulated actuator.
 
-use bearing_watch::drive::{PhaseCounts, RawSample};
-use bearing_watch::{Detector, Monitor, Segment};
+use bearing_watch::Monitor;
+use bearing_watch::drive::{CleanSample, RawSample};
+use bearing_watch::watch::Watch;
 use rig::ema::{EmaCondition, EmaDefect, EmaScenario, EmaTrace, Race, simulate};
 use rig::{DefectKind, trace_seed};
 
+#[allow(dead_code, reason = "what `train` writes is for other programs, too")]
 #[path = "../../../examples/support/actuator/model.rs"]
 mod model;
-
-/// The code that the book includes.
-#[path = "../../../template/src/detector.rs"]
-mod detector;
 
 mod monitor {
     include!(concat!(env!("OUT_DIR"), "/readme.rs"));
 }
 
-use detector::{Place, Reading, interrupt, name, start, test};
-use model::{DriveFrontEnd, FRONT_END, FURTHER, MODEL, position};
+use model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL, Reading};
 
 /// Rows at 10 kHz that one segment takes: 2.4 s.
 const SEGMENT_ROWS: usize = 24_000;
@@ -26,52 +23,70 @@ const SEGMENT_ROWS: usize = 24_000;
 #[test]
 fn counts_become_the_verdict_of_the_recording() {
     // As `replay` says of the same traces.
-    assert_eq!(verdicts(DefectKind::Healthy), [("healthy", false), ("healthy", false)]);
-    assert_eq!(verdicts(DefectKind::Spall), [("spall", false), ("spall", true)]);
-    assert_eq!(verdicts(DefectKind::Roughness), [("roughness", false), ("roughness", true)]);
-}
-
-#[test]
-fn the_code_of_the_readme_gives_the_alarms_of_the_book() {
-    for kind in [DefectKind::Healthy, DefectKind::Spall] {
-        let mut inputs = DriveFrontEnd::new(&FRONT_END).expect("constants of the example");
-        let (mut detector, mut main_loop) = (Detector::new(&MODEL), Monitor::new(&MODEL));
-        let mut alarms = Vec::new();
-        for reading in readings(&recording(kind)) {
-            if let Some(segment) = monitor::interrupt(&mut inputs, &mut detector, &raw(&reading)) {
-                alarms.push(monitor::conclude(&mut main_loop, segment));
-            }
-        }
-        let expected: Vec<bool> = verdicts(kind).into_iter().map(|(_, alarm)| alarm).collect();
-        assert_eq!(alarms, expected, "{kind:?}");
+    for (kind, name, alarm) in [
+        (DefectKind::Healthy, "healthy", false),
+        (DefectKind::Spall, "spall", true),
+        (DefectKind::Roughness, "roughness", true),
+    ] {
+        assert_eq!(verdicts(kind), [(name.to_owned(), false), (name.to_owned(), alarm)]);
     }
 }
 
-fn raw(reading: &Reading) -> RawSample<FURTHER> {
-    RawSample {
-        number: reading.number,
-        currents: PhaseCounts::Three(reading.phases),
-        position: position(reading.position.into()),
-        further: [reading.load_torque_nm, reading.velocity_ref_rad_s],
+#[test]
+fn the_code_of_the_readme_raises_the_alarm_of_the_book() {
+    monitor::start().expect("constants of the example");
+    let mut alarms = Vec::new();
+    for reading in readings(&recording(DefectKind::Spall)) {
+        if monitor::current_loop(reading) {
+            monitor::below();
+        }
+        alarms.extend(monitor::main_loop());
+    }
+    assert_eq!(alarms, [false, true]);
+}
+
+/// Firmware rows = replay rows, bit for bit, whenever the drive starts, with a lower interrupt that comes late.
+#[test]
+fn the_rows_of_the_drive_are_those_of_its_recording_from_any_instant_on() {
+    let recorded: Vec<Reading> = readings(&recording(DefectKind::Spall)).collect();
+    for start in [0, 1, 7, 500, 12_345] {
+        let watch: &'static Watch<Drive, DriveFrontEnd> = Box::leak(Box::default());
+        watch.start(&MODEL, &FRONT_END).expect("constants of the example");
+        let mut front_end = DriveFrontEnd::new(&FRONT_END).expect("constants of the example");
+        let (mut detector, mut alone) = (bearing_watch::Detector::new(&MODEL), Monitor::new(&MODEL));
+        let (mut expected, mut reports) = (Vec::new(), Vec::new());
+        for (k, reading) in recorded[start..].iter().enumerate() {
+            watch.sample(*reading);
+            if k % 29 == 0 {
+                watch.collect();
+            }
+            reports.extend(watch.advance(|now| now.report.clone()));
+            let clean: Option<CleanSample<FURTHER>> = front_end.push(&RawSample::from(*reading));
+            if let Some(segment) = clean.and_then(|clean| detector.collect(&clean.into())) {
+                expected.push(alone.conclude(segment).report.clone());
+            }
+        }
+        assert!(!expected.is_empty() && reports == expected, "from {start}: {} {}", reports.len(), expected.len());
     }
 }
 
 /// The classes of the segments of a recording whose seed is not that of training, and whether there is an alarm.
-fn verdicts(kind: DefectKind) -> Vec<(&'static str, bool)> {
-    test().expect("the arithmetic of a host");
-    let place = || -> Place { Box::leak(Box::new(Segment::new(&MODEL))) };
-    let (mut sampler, mut monitor) = start(place(), place()).expect("constants of the example");
-    let mut found = Vec::new();
+fn verdicts(kind: DefectKind) -> Vec<(String, bool)> {
+    let watch: &'static Watch<Drive, DriveFrontEnd> = Box::leak(Box::default());
+    watch.start(&MODEL, &FRONT_END).expect("constants of the example");
+    let mut told = Vec::new();
     for reading in readings(&recording(kind)) {
-        if let Some(place) = interrupt(&mut sampler, &reading) {
-            let now = monitor.conclude_from(place);
-            sampler.spare = Some(place);
-            sampler.detector.adopt(now.report);
-            found.push((name(now.report.verdict), now.alarm.is_some()));
+        if watch.sample(reading) {
+            watch.collect();
         }
+        let tell = |now: bearing_watch::Conclusion<'_, Drive>| {
+            (MODEL.verdict_name(now.report.verdict).to_owned(), now.alarm.is_some())
+        };
+        told.extend(watch.advance(tell));
     }
-    assert!(sampler.front_end.faults().is_clear(), "{:?}", sampler.front_end.faults());
-    found
+    let faults = watch.status().faults.expect("those of the last segment");
+    assert!(faults.is_clear(), "{faults:?}");
+    told
 }
 
 fn recording(kind: DefectKind) -> EmaTrace {
@@ -97,7 +112,7 @@ fn readings(trace: &EmaTrace) -> impl Iterator<Item = Reading> {
             let sensor = &FRONT_END.sensors[k];
             (phases[k][row] as f32 / sensor.gain_a + sensor.offset_counts).round() as u16
         }),
-        position: position[row] as u16,
+        position: Some(position[row] as u32),
         load_torque_nm: load[row] as f32,
         velocity_ref_rad_s: velocity[row] as f32,
     })

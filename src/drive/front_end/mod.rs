@@ -168,8 +168,8 @@ impl<const FURTHER: usize> Held<FURTHER> {
 ///     let raw = RawSample { number, currents, position: Position::Absolute(Angle::ZERO), further: [40.0, 0.1] };
 ///     if let Some(CleanSample { current_a, further, .. }) = front_end.push(&raw) {
 ///         let [velocity_ref_rad_s, load_torque_nm] = further;
-///         // The first samples are missing, until the loop has locked.
-///         assert!(current_a.is_nan() || (current_a - 1.154_7).abs() < 1e-4); // 2/√3 A
+///         // From where the loop has locked.
+///         assert!((current_a - 1.154_7).abs() < 1e-4); // 2/√3 A
 ///         let _report = detector.step(&Sample { current_a, velocity_ref_rad_s, load_torque_nm });
 ///     }
 /// }
@@ -207,7 +207,13 @@ where
     gaps: u32,
     /// Whether there was a fault at the last output that shows only after a window of samples.
     late: bool,
+    /// Outputs that may still be held back before the first complete one.
+    held_back: u16,
 }
+
+/// Longest time before the first complete sample in which none is returned, s. Then a drive whose angle or current is
+/// missing from the start gives incomplete ones, so that its detector says why there is no verdict.
+const LONGEST_START_S: f32 = 2.0;
 
 /// Every other tap of a half-band filter is zero: of two spoilt samples in a row, each filter multiplies one by a tap
 /// that is not zero. A low-pass before it turns them into two or more spoilt outputs.
@@ -241,6 +247,7 @@ where
     ///
     /// # Errors
     /// The first constant that is out of range.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive, and `as` saturates")]
     pub fn new(constants: &FrontEndConstants) -> Result<Self, FrontEndError> {
         constants.check()?;
         Ok(Self {
@@ -260,10 +267,12 @@ where
             spoilt: 0,
             gaps: 0,
             late: false,
+            held_back: (LONGEST_START_S * constants.control_rate_hz / FACTOR as f32) as u16,
         })
     }
 
-    /// Takes a raw sample; every [`Self::FACTOR`]-th call returns a clean one once the filters are filled.
+    /// Takes a raw sample; every [`Self::FACTOR`]-th call returns a clean one once the angle is known and the filters
+    /// are filled: segments start with the first complete sample, in the drive as in training.
     #[inline]
     pub fn push(&mut self, raw: &RawSample<FURTHER>) -> Option<CleanSample<FURTHER>> {
         if self.next != Some(raw.number) {
@@ -334,6 +343,13 @@ where
         let [current_a, velocity_rad_s, error_rad] = self.filters.push(signals)?;
         let angle = self.centres.get(Self::BACK).turned((error_rad * (1.0 / RAD)) as i32); // (1)
         let further = further.unwrap_or([f32::NAN; FURTHER]);
+        if self.held_back > 0 {
+            self.held_back = self.held_back.wrapping_sub(1);
+            if !(current_a + velocity_rad_s).is_finite() {
+                return None;
+            }
+            self.held_back = 0;
+        }
         Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late: self.found_late() })
     }
 

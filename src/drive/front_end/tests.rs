@@ -91,7 +91,8 @@ fn the_sample_of_an_output_is_known_before_it() {
     {
         let mut front_end = FrontEnd::<2, FACTOR>::new(&CONSTANTS).unwrap();
         let drive = Drive { passed_hz: 1.0 };
-        // A gap does not move the outputs.
+        // A gap does not move the outputs, whether they are complete or not.
+        front_end.held_back = 0;
         let mut outputs = 0;
         for number in (0..40 * FACTOR as u32).filter(|number| *number != 21 * FACTOR as u32 + 1) {
             let expected = front_end.to_centre % FACTOR as u16 == FrontEnd::<2, FACTOR>::OUTPUT;
@@ -321,8 +322,37 @@ fn constants_out_of_range_are_refused_by_name() {
 }
 
 #[test]
+fn the_first_sample_is_complete_unless_none_is_for_two_seconds() {
+    let drive = Drive { passed_hz: 300.0 };
+    let first = |known_from: u32, position: bool| {
+        let mut front_end = FrontEnd::<2, 8>::new(&CONSTANTS).unwrap();
+        let outputs = (0..50_000).filter_map(|number| {
+            let mut raw = drive.raw(number, 0.0);
+            match number < known_from {
+                true if position => raw.position = Position::Missing,
+                true => raw.currents = PhaseCounts::Three([1, 2, 3]),
+                false => {}
+            }
+            front_end.push(&raw).map(|clean| (number, clean))
+        });
+        let (number, clean) = outputs.take(1).next().expect("an output");
+        (number, (clean.current_a + clean.velocity_rad_s).is_finite())
+    };
+    for position in [true, false] {
+        for known_from in [0, 1, 977, 15_000] {
+            let (number, complete) = first(known_from, position);
+            assert!(complete && (known_from + 22..known_from + 300).contains(&number), "{known_from}: {number}");
+        }
+        // Of 10 kHz, and the filters.
+        let (number, complete) = first(60_000, position);
+        assert!(!complete && (20_000..20_300).contains(&number), "{number}");
+    }
+}
+
+#[test]
 fn the_third_angle_gives_the_first_velocity() {
     let mut front_end = FrontEnd::<2, 1>::new(&CONSTANTS).unwrap();
+    front_end.held_back = 0;
     let drive = Drive { passed_hz: 300.0 };
     let clean: Vec<_> = (0..60).filter_map(|number| front_end.push(&drive.raw(number, 0.0))).collect();
     let first = |known: fn(&CleanSample<2>) -> bool| clean.iter().position(known);

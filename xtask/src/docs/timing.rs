@@ -1,4 +1,4 @@
-//! The tables of cycles: of whole detectors in the book, and of the interrupt of a drive beside the chips.
+//! The tables of cycles: of whole detectors in the book, and of the interrupts of a drive beside the chips.
 
 use anyhow::{Context, Result};
 
@@ -6,7 +6,7 @@ use super::block::Block;
 use super::figures::{self, DETECTORS, find, head, row};
 use crate::measure::Figure;
 
-/// The document of the interrupt.
+/// The document of the interrupts.
 const BOARDS: &str = "docs/boards.md";
 
 /// Calls: a title, and how the name of the figure ends.
@@ -18,12 +18,14 @@ const CALLS: [(&str, &str); 5] = [
     ("cycles of `Monitor::advance`, longest step", "longest step"),
 ];
 
-/// Rows of raw counts: a title, and how the name of the figure ends.
-const ROWS: [(&str, &str); 4] = [
-    ("mean", "mean row"),
-    ("longest without the next two", "longest row"),
-    ("that closes a segment", "row that closes"),
-    ("that discards the samples before a fault", "row that discards"),
+/// What runs in the interrupts of a drive: a title, and the name of the figure.
+const ROWS: [(&str, &str); 6] = [
+    ("`WATCH.sample` in the current loop: mean row", "current loop of a drive, mean row"),
+    ("longest row, any data", "current loop of a drive, longest row"),
+    ("`WATCH.collect` below it, once in ten rows: mean sample", "below the current loop, mean sample"),
+    ("longest sample without the next two", "below the current loop, longest sample"),
+    ("the sample that closes a segment", "below the current loop, sample that closes"),
+    ("the sample that discards those before a fault", "below the current loop, sample that discards"),
 ];
 
 /// Cycles between two interrupts at 10 kHz, of a processor with 168 MHz.
@@ -40,11 +42,10 @@ pub fn blocks(figures: &[Figure]) -> Result<[Block; 2]> {
         });
         calls.push(row(title, cells.collect::<Result<Vec<_>>>()?));
     }
-    let titles = ["row", "instructions", "cycles", "with 5 wait states", "of 100 µs at 168 MHz"];
+    let titles = ["call", "instructions", "cycles", "with 5 wait states", "of 100 µs at 168 MHz"];
     let mut interrupt = head(titles.into_iter()).to_vec();
-    for (title, end) in ROWS {
-        let name = format!("interrupt of a drive, {end}");
-        let ([none, some], instructions) = (cycles(figures, &name)?, find(figures, &name, None)?.instructions);
+    for (title, name) in ROWS {
+        let ([none, some], instructions) = (cycles(figures, name)?, find(figures, name, None)?.instructions);
         let percent = (100 * some).div_ceil(PERIOD);
         let counts = [instructions.context("no instructions")?, none, some].map(|count| count.to_string());
         interrupt.push(row(title, counts.into_iter().chain([format!("{percent} %")])));
@@ -76,11 +77,11 @@ mod tests {
             ..Figure::default()
         };
         let calls = DETECTORS.iter().flat_map(|(_, name)| CALLS.map(|(_, call)| format!("{name}, {call}")));
-        let rows = ROWS.map(|(_, end)| format!("interrupt of a drive, {end}"));
+        let rows = ROWS.map(|(_, name)| name.to_owned());
         let figures: Vec<Figure> = calls.chain(rows).map(figure).collect();
         let [calls, interrupt] = blocks(&figures)?;
         assert!(calls.lines.iter().skip(2).all(|line| line.ends_with("| 1600 / 1681 |")));
-        assert!(interrupt.lines.contains(&"| mean | 1000 | 1600 | 1681 | 11 % |".to_owned()));
+        assert!(interrupt.lines.contains(&"| longest row, any data | 1000 | 1600 | 1681 | 11 % |".to_owned()));
         assert!(blocks(figures.get(1..).unwrap_or_default()).is_err());
         Ok(())
     }

@@ -6,6 +6,13 @@ use crate::train::commissioning_source::commissioning_source;
 use crate::train::front_end_source::front_end_source;
 use crate::train::{Trained, VelocitySource, export};
 
+/// The static that a drive without a front end gives its samples.
+const WATCH: &str = "bearing_watch::watch_static! {
+    /// Detector and monitor of the drive.
+    pub static WATCH: Drive;
+}
+";
+
 /// A model as Rust source, with the front end that its recordings pass and the constants of a commissioning with so
 /// many segments.
 ///
@@ -17,9 +24,11 @@ pub fn rust_source(
     commissioning: Option<u32>,
 ) -> Result<String, Error> {
     let mut source = export::rust_source(trained, description)?;
-    if let Some(front_end) = &channels.front_end {
-        source = format!("{source}\n{}", front_end_source(&trained.to_core()?, channels, front_end)?);
-    }
+    source += "\n";
+    source += &match &channels.front_end {
+        Some(front_end) => front_end_source(&trained.to_core()?, channels, front_end)?,
+        None => WATCH.into(),
+    };
     if let Some(segments) = commissioning {
         source = format!("{source}\n{}", commissioning_source(trained, segments)?);
     }

@@ -28,6 +28,27 @@ fn identifier(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' }).collect()
 }
 
+/// Words of C and C++ that a channel could be called by.
+const WORDS: [&str; 40] = [
+    "and", "auto", "bool", "break", "case", "char", "class", "const", "continue", "default", "delete", "do", "double",
+    "else", "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "new", "not", "operator", "or",
+    "private", "public", "register", "return", "short", "signed", "static", "struct", "switch", "this", "union",
+    "void", "while",
+];
+
+/// Names of the fields of a structure for these names, of which some are `taken`.
+pub(super) fn fields(names: &[&str], taken: &[&str]) -> Vec<String> {
+    let mut used: Vec<String> = taken.iter().map(ToString::to_string).collect();
+    for name in names {
+        let plain = identifier(name).to_ascii_lowercase();
+        let refused = plain.is_empty() || plain.starts_with(|c: char| c.is_ascii_digit()) || plain.starts_with('_');
+        let plain = if refused || WORDS.contains(&plain.as_str()) { format!("channel_{plain}") } else { plain };
+        let candidates = (1..).map(|k| if k == 1 { plain.clone() } else { format!("{plain}_{k}") });
+        used.extend(candidates.into_iter().find(|field| !used.contains(field)));
+    }
+    used.split_off(taken.len())
+}
+
 /// Returns the initializer of an array of texts.
 pub(super) fn texts(names: &[&str]) -> String {
     format!("{{ {} }}", names.iter().map(|name| literal(name)).collect::<Vec<_>>().join(", "))
@@ -59,6 +80,8 @@ mod tests {
         let mut out = String::new();
         enumeration(&mut out, "P_", &["names", "Names 2", "names"]);
         assert_eq!(out, "enum { P_NAMES_2 = 0, P_NAMES_2_2 = 1, P_NAMES_3 = 2 };\n", "P_NAMES is a macro");
+        let named = fields(&["Iq A", "iq-a", "int", "1x", "angle", ""], &["angle"]);
+        assert_eq!(named, ["iq_a", "iq_a_2", "channel_int", "channel_1x", "angle_2", "channel_"]);
         assert_eq!(literal("a\"\\?\n°C1"), r#""a\042\134\077\012\302\260C1""#);
     }
 }

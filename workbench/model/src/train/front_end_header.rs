@@ -8,7 +8,7 @@ use bearing_watch::{Model, Park};
 use super::c_text::{enumeration, line, number, texts};
 use super::front_end_source::{further_channels, further_columns, own};
 use crate::Error;
-use crate::trace::front_end::Columns;
+use crate::trace::front_end::Turn;
 use crate::trace::{Channels, FrontEndFile};
 
 /// Further channels that the C interface takes at most, its `BW_MAX_FURTHER`.
@@ -31,9 +31,17 @@ pub fn front_end_header(model: &Model<RunTime>, recorded: &Channels, file: &Fron
         channels.iter().filter(|channel| !own(channel)).map(|channel| channel.unit.as_str()).collect();
     let mut out = String::from("\n/* The front end that the recordings passed: raw samples per clean sample. */\n");
     line(&mut out, &format!("#define BW_FRONT_END_FACTOR {}u", file.factor));
-    if let Columns::Counts { bits, .. } = &file.position {
-        line(&mut out, "/* Bits a turn of the position sensor, for `bw_angle`. */");
-        line(&mut out, &format!("#define BW_FRONT_END_POSITION_BITS {bits}u"));
+    match file.position.turn().map_err(Error::Usage)? {
+        Some(Turn::Bits(bits)) => {
+            line(&mut out, "/* Bits a turn of the position sensor, for `bw_angle`. */");
+            line(&mut out, &format!("#define BW_FRONT_END_POSITION_BITS {bits}u"));
+        }
+        Some(Turn::Counts(turn, _)) => {
+            line(&mut out, "/* Counts a turn of the encoder, for `bw_angle_from_cpr`. */");
+            line(&mut out, &format!("#define BW_FRONT_END_COUNTS_PER_TURN {turn}"));
+            out += &angle_of_counts(turn);
+        }
+        None => {}
     }
     line(&mut out, "/* Its further channels, in this order, with names and units. */");
     line(&mut out, &format!("#define BW_FRONT_END_FURTHER {}u", names.len()));
@@ -55,6 +63,17 @@ pub fn front_end_header(model: &Model<RunTime>, recorded: &Channels, file: &Fron
         .for_each(|(k, from)| line(&mut out, &format!("    values[{k}] = clean->{from};")));
     out += "}\n";
     Ok(out)
+}
+
+/// `bw_angle_from_cpr` of a number that the compiler knows: without its division of 64 bits.
+fn angle_of_counts(turn: u32) -> String {
+    let scale = (1_u64 << 48) / u64::from(turn) + 1;
+    format!(
+        "static inline uint32_t bw_front_end_angle(int32_t counts) {{\n\
+         \x20   int32_t within = counts % BW_FRONT_END_COUNTS_PER_TURN;\n\
+         \x20   if (within < 0) {{ within += BW_FRONT_END_COUNTS_PER_TURN; }}\n\
+         \x20   return (uint32_t)(((uint64_t)(uint32_t)within * {scale}u) >> 16);\n}}\n"
+    )
 }
 
 /// Where a clean sample has each channel of the model.
@@ -146,8 +165,11 @@ mod tests {
         let notes = source.lines().skip(2).map_while(|line| line.strip_prefix("// ")).map(String::from);
         let features = ["drag", "viscous", "order_inner"].map(String::from);
         let header = c_header(&model(), (&notes.collect::<Vec<_>>(), &features), Some(&recorded())).expect("a header");
+        if std::env::var_os("BEARING_WATCH_WRITE_HEADER").is_some() {
+            std::fs::write(format!("{ROOT}/examples/support/actuator/model.h"), &header).expect("a writable file");
+        }
         let same = header == text("examples/support/actuator/model.h");
-        assert!(same, "the commands in `examples/drive.rs` write it anew:\n{header}");
+        assert!(same, "this test writes it anew with the variable BEARING_WATCH_WRITE_HEADER:\n{header}");
     }
 
     /// The fields have no designators: their order is that of the interface.

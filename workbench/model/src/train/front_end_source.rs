@@ -9,11 +9,11 @@ use bearing_watch::{Model, Park};
 
 use crate::Error;
 use crate::core::{column, fields};
-use crate::trace::front_end::Columns;
+use crate::trace::front_end::{Columns, Turn};
 use crate::trace::{Channels, FrontEndFile};
 
-/// Returns the source: type and constants of the front end, the position from the sensor's counts, and the conversion
-/// of its samples to those of the detector.
+/// Returns the source: type and constants of the front end, what the drive reads with its conversion, the conversion of
+/// clean samples to those of the detector, and the static that ties them.
 ///
 /// # Errors
 /// A model with a channel that is a difference of columns: the front end makes columns only.
@@ -40,16 +40,8 @@ pub fn front_end_source(model: &Model<RunTime>, recorded: &Channels, file: &Fron
     line("pub const FRONT_END: bearing_watch::drive::FrontEndConstants = bearing_watch::drive::FrontEndConstants {");
     constants(&file.constants()).iter().for_each(|text| line(&format!("    {text}")));
     line("};");
-    if let Columns::Counts { bits, .. } = &file.position {
-        line("");
-        line("/// The reading of the position sensor.");
-        line("#[must_use]");
-        line("pub const fn position(counts: u32) -> bearing_watch::drive::Position {");
-        line(&format!(
-            "    bearing_watch::drive::Position::Absolute(bearing_watch::Angle::from_counts(counts, {bits}))"
-        ));
-        line("}");
-    }
+    position(&file.position)?.iter().for_each(|text| line(text));
+    reading(model, file).iter().for_each(|text| line(text));
     line("");
     line("#[rustfmt::skip]");
     line("impl From<bearing_watch::drive::CleanSample<FURTHER>> for Sample {");
@@ -64,7 +56,109 @@ pub fn front_end_source(model: &Model<RunTime>, recorded: &Channels, file: &Fron
     line(&format!("        Self {{ {} }}", fields.join(", ")));
     line("    }");
     line("}");
+    line("");
+    line("bearing_watch::watch_static! {");
+    line("    /// Front end, detector and monitor of the drive.");
+    line("    pub static WATCH: Drive, DriveFrontEnd;");
+    line("}");
     Ok(out)
+}
+
+/// The function that makes a position from what the sensor reads.
+fn position(columns: &Columns) -> Result<Vec<String>, Error> {
+    let (parameters, angle, reversed) = match columns {
+        Columns::Resolver { .. } => return Ok(vec![]),
+        Columns::Angle { reversed, .. } => ("angle: bearing_watch::Angle", "angle".into(), *reversed),
+        Columns::Counts { reversed, .. } => match columns.turn().map_err(Error::Usage)? {
+            Some(Turn::Counts(..)) => ("counts: i32", "TURN.angle(counts)".into(), *reversed),
+            Some(Turn::Bits(bits)) => {
+                ("counts: u32", format!("bearing_watch::Angle::from_counts(counts, {bits})"), *reversed)
+            }
+            None => return Ok(vec![]),
+        },
+    };
+    let mut lines = vec![String::new()];
+    if let Ok(Some(Turn::Counts(turn, _))) = columns.turn() {
+        lines.push("/// Counts of the position sensor in a turn.".into());
+        lines.push("pub const TURN: bearing_watch::CountsPerTurn =".into());
+        lines.push(format!("    bearing_watch::CountsPerTurn::new({turn}).expect(\"a number of counts\");"));
+        lines.push(String::new());
+    }
+    let angle = if reversed { format!("{angle}.negated()") } else { angle };
+    lines.push("/// The reading of the position sensor.".into());
+    lines.push("#[must_use]".into());
+    lines.push(format!("pub const fn position({parameters}) -> bearing_watch::drive::Position {{"));
+    lines.push(format!("    bearing_watch::drive::Position::Absolute({angle})"));
+    lines.push("}".into());
+    Ok(lines)
+}
+
+/// The field of a channel: that of its name, unless the reading has one of this name itself.
+fn field_of(name: &str) -> String {
+    let taken = ["number", "phases", "position", "resolver"].contains(&name);
+    if taken { format!("{name}_channel") } else { name.into() }
+}
+
+/// What the drive reads at one instant, by names, and its conversion.
+fn reading(model: &Model<RunTime>, file: &FrontEndFile) -> Vec<String> {
+    let phases = file.currents.columns.len();
+    let (which, kind) = match file.currents.phases.names() {
+        _ if phases == 3 => ("a, b and c".into(), "Three"),
+        [first, second] => (format!("{first} and {second}"), "Two"),
+    };
+    let (field, kind_of_field, doc, made) = match file.position {
+        Columns::Resolver { .. } => (
+            "resolver",
+            "Option<[f32; 2]>",
+            "Demodulated sine and cosine of the resolver; `None` if they are missing.",
+            "map_or(bearing_watch::drive::Position::Missing, |[sin, cos]| bearing_watch::drive::Position::Resolver { sin, cos })",
+        ),
+        Columns::Angle { .. } => (
+            "position",
+            "Option<bearing_watch::Angle>",
+            "Angle of the shaft; `None` if it is missing.",
+            "map_or(bearing_watch::drive::Position::Missing, position)",
+        ),
+        Columns::Counts { bits, .. } => (
+            "position",
+            if bits.is_some() { "Option<u32>" } else { "Option<i32>" },
+            "Counts of the position sensor; `None` if the reading is missing.",
+            "map_or(bearing_watch::drive::Position::Missing, position)",
+        ),
+    };
+    let channels = model.constants().channels.iter().filter(|channel| !own(channel));
+    let mut lines: Vec<String> = vec![
+        String::new(),
+        "/// What the drive reads at one instant of its control loop.".into(),
+        "#[derive(Clone, Copy, Debug)]".into(),
+        "pub struct Reading {".into(),
+        "    /// Number of the instant, such as that of the PWM period: a missed interrupt leaves a gap.".into(),
+        "    pub number: u32,".into(),
+        format!("    /// Converter counts of the currents of phases {which}."),
+        format!("    pub phases: [u16; {phases}],"),
+        format!("    /// {doc}"),
+        format!("    pub {field}: {kind_of_field},"),
+    ];
+    for channel in channels {
+        lines.push(format!("    /// {}; NaN if it is missing.", channel.unit.as_str()));
+        lines.push(format!("    pub {}: f32,", field_of(channel.name.as_str())));
+    }
+    let further =
+        further_channels(model).iter().map(|name| format!("reading.{}", field_of(name))).collect::<Vec<_>>().join(", ");
+    lines.extend([
+        "}".into(),
+        String::new(),
+        "#[rustfmt::skip]".into(),
+        "impl From<Reading> for bearing_watch::drive::RawSample<FURTHER> {".into(),
+        "    #[inline]".into(),
+        "    fn from(reading: Reading) -> Self {".into(),
+        format!("        let currents = bearing_watch::drive::PhaseCounts::{kind}(reading.phases);"),
+        format!("        let position = reading.{field}.{made};"),
+        format!("        Self {{ number: reading.number, currents, position, further: [{further}] }}"),
+        "    }".into(),
+        "}".into(),
+    ]);
+    lines
 }
 
 /// The channels of a model that the front end takes as further ones, in their order.

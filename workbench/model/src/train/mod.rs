@@ -23,6 +23,7 @@ mod cross_validation;
 mod dependence;
 pub mod directions;
 pub mod discriminant;
+mod drive_header;
 mod estimates;
 mod estimating;
 mod estimation;

@@ -1,9 +1,8 @@
 //! Recorded rows through the core's front end.
 
-use bearing_watch::Angle;
 use bearing_watch::drive::{By, CleanSample, Factor, FrontEnd, PhaseCounts, Position, RawSample};
 
-use model::trace::front_end::{Columns, FrontEndFile, Quantity, Refused, angle_of, words};
+use model::trace::front_end::{FrontEndFile, Quantity, Refused, words};
 
 /// Names of the columns that the front end makes.
 pub(crate) const OWN: [&str; 3] = ["current_a", "velocity_rad_s", "angle_rad"];
@@ -21,7 +20,7 @@ pub(crate) struct Clean {
 }
 
 /// Takes the columns that the file names and at most [`FURTHER`] further ones. `times_s` tells missed rows; without
-/// times there are none. Samples before the first complete one are left out.
+/// times there are none. The front end leaves out samples before the first complete one.
 pub(crate) fn clean(
     file: &FrontEndFile,
     recorded: &[&[f64]],
@@ -68,15 +67,12 @@ where
             continue;
         };
         let values = [current_a, velocity_rad_s, angle.radians()].into_iter().chain(further);
-        let complete = velocity_rad_s.is_finite() && current_a.is_finite();
-        if complete || !columns[0].is_empty() {
-            columns.iter_mut().zip(values).for_each(|(column, value)| column.push(f64::from(value)));
-        }
+        columns.iter_mut().zip(values).for_each(|(column, value)| column.push(f64::from(value)));
     }
     let missing = columns[0].iter().zip(&columns[1]).filter(|(current, velocity)| (*current + *velocity).is_nan());
     let (missing, samples) = (missing.count(), columns[0].len());
     let faults = front_end.faults();
-    if samples == 0 {
+    if missing == samples {
         return Err(format!("no sample passes the front end: {}", words(&faults)));
     }
     let refused = (missing > 0).then_some(Refused { missing, samples, faults });
@@ -134,14 +130,8 @@ fn currents(file: &FrontEndFile, recorded: &[&[f64]], row: usize) -> PhaseCounts
     }
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts wrap around; signals are single")]
 fn position(file: &FrontEndFile, recorded: &[&[f64]], row: usize) -> Position {
     let first = file.currents.columns.len();
-    let value = recorded[first][row];
-    match &file.position {
-        Columns::Counts { .. } | Columns::Angle { .. } if !value.is_finite() => Position::Missing,
-        Columns::Counts { bits, .. } => Position::Absolute(Angle::from_counts(value.round() as i64 as u32, *bits)),
-        Columns::Resolver { .. } => Position::Resolver { sin: value as f32, cos: recorded[first + 1][row] as f32 },
-        Columns::Angle { .. } => Position::Absolute(angle_of(value)),
-    }
+    let value = |column: usize| recorded.get(column).map_or(f64::NAN, |values| values[row]);
+    file.position.reading([value(first), value(first + 1)])
 }

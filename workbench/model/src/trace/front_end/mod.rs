@@ -7,7 +7,7 @@
 //! factor = 12                                          # 12 kHz → 1 kHz
 //!
 //! [currents]
-//! columns = ["phase_a_a", "phase_b_a", "phase_c_a"]    # three, or a and b
+//! columns = ["phase_a_a", "phase_b_a", "phase_c_a"]    # a, b and c; of two, `phases` says which
 //! quantity = "amperes"                                 # or "counts"
 //! offset_counts = [2048.0, 2048.0, 2048.0]
 //! gain_a = [0.02, 0.02, 0.02]                          # amperes a count
@@ -20,8 +20,9 @@
 //! window = 400
 //!
 //! [position]
-//! counts = "resolver_counts"                           # with bits; or sin and cos; or angle_rad
-//! bits = 14
+//! counts = "resolver_counts"                           # or sin and cos; or angle_rad
+//! bits = 14                                            # or counts_per_turn = 8000
+//! reversed = false                                     # true if it counts against the order of the phases
 //!
 //! [tracking]
 //! bandwidth_hz = 300.0
@@ -42,12 +43,13 @@
 
 mod refused;
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use bearing_watch::drive::{
-    BalanceLimits, FrontEndConstants, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
+    BalanceLimits, FrontEndConstants, PhaseSensor, Position, ResolverLimits, RotorFrame, TrackingConstants,
 };
-use bearing_watch::{Angle, Park};
+use bearing_watch::{Angle, CountsPerTurn, Park};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
@@ -82,6 +84,9 @@ pub struct FrontEndFile {
 pub struct Currents {
     /// The columns of two or three phases.
     pub columns: Vec<String>,
+    /// Which phases two columns are, in their order; of three they are a, b and c.
+    #[serde(default, skip_serializing_if = "Phases::is_usual")]
+    pub phases: Phases,
     /// What the columns contain.
     #[serde(default)]
     pub quantity: Quantity,
@@ -94,6 +99,44 @@ pub struct Currents {
     /// Equal counts in a row that mean a stuck converter; 0 for no limit.
     #[serde(default)]
     pub stuck_samples: u16,
+}
+
+/// Two phases with a sensor each. The core numbers them from the first one on: with b and c, the third is a.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[expect(missing_docs, reason = "the names say all")]
+pub enum Phases {
+    #[default]
+    Ab,
+    Bc,
+    Ca,
+}
+
+impl Phases {
+    /// Whether the first column is phase a.
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+    fn is_usual(&self) -> bool {
+        *self == Self::Ab
+    }
+
+    /// The electrical angle of the first phase, in thirds of a turn.
+    fn thirds(self) -> f64 {
+        match self {
+            Self::Ab => 0.0,
+            Self::Bc => 1.0,
+            Self::Ca => 2.0,
+        }
+    }
+
+    /// The names of the phases that have a column.
+    #[must_use]
+    pub const fn names(self) -> [&'static str; 2] {
+        match self {
+            Self::Ab => ["a", "b"],
+            Self::Bc => ["b", "c"],
+            Self::Ca => ["c", "a"],
+        }
+    }
 }
 
 /// What the columns of the currents contain.
@@ -116,18 +159,25 @@ pub struct Balance {
     window: u16,
 }
 
-/// The columns of the position sensor: counts of an absolute sensor with their bits, sine and cosine, or an angle.
+/// The columns of the position sensor: counts with those of a turn, sine and cosine, or an angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, untagged)]
 pub enum Columns {
-    /// Counts of 2^bits a turn.
+    /// Counts, of 2^bits or of any number a turn.
     Counts {
         /// Column.
         counts: String,
         /// 1 … 32.
-        bits: u32,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        bits: Option<u32>,
+        /// Of an encoder: four times its lines.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        counts_per_turn: Option<u32>,
+        /// Whether it counts against the order of the phases.
+        #[serde(default, skip_serializing_if = "is_false")]
+        reversed: bool,
     },
-    /// Demodulated signals of a resolver.
+    /// Demodulated signals of a resolver; one that turns against the order of the phases has its sine negated.
     Resolver {
         /// Column of amplitude times sine.
         sin: String,
@@ -142,7 +192,77 @@ pub enum Columns {
     Angle {
         /// Column.
         angle_rad: String,
+        /// Whether it grows against the order of the phases.
+        #[serde(default, skip_serializing_if = "is_false")]
+        reversed: bool,
     },
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_false(value: &bool) -> bool {
+    !value
+}
+
+/// What a position sensor counts in a turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turn {
+    /// 2^bits.
+    Bits(u32),
+    /// Any number.
+    Counts(u32, CountsPerTurn),
+}
+
+impl Turn {
+    /// The angle of so many counts.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts wrap around")]
+    fn angle(self, counts: f64) -> Angle {
+        let counts = counts.round() as i64;
+        match self {
+            Self::Bits(bits) => Angle::from_counts(counts as u32, bits),
+            Self::Counts(turn, encoder) => encoder.angle(counts.rem_euclid(i64::from(turn)) as i32),
+        }
+    }
+}
+
+impl Columns {
+    /// What the sensor counts in a turn.
+    ///
+    /// # Errors
+    /// Neither or both of `bits` and `counts_per_turn`, or one that is out of range.
+    pub fn turn(&self) -> Result<Option<Turn>, String> {
+        let Self::Counts { bits, counts_per_turn, .. } = self else { return Ok(None) };
+        let turn = match (*bits, *counts_per_turn) {
+            (Some(bits @ 1..=32), None) => Turn::Bits(bits),
+            (Some(bits), None) => return Err(format!("[position] bits {bits}: a turn has 2^1 to 2^32 counts")),
+            (None, Some(turn)) => {
+                let most = CountsPerTurn::MOST;
+                let encoder = CountsPerTurn::new(turn)
+                    .ok_or_else(|| format!("[position] counts_per_turn {turn}: a turn has 1 to {most} counts"))?;
+                Turn::Counts(turn, encoder)
+            }
+            (None, None) | (Some(_), Some(_)) => {
+                return Err("[position] counts come with bits, or with counts_per_turn".into());
+            }
+        };
+        Ok(Some(turn))
+    }
+
+    /// The reading of a row, from its values of the columns in their order.
+    #[expect(clippy::cast_possible_truncation, reason = "signals are single")]
+    #[must_use]
+    pub fn reading(&self, values: [f64; 2]) -> Position {
+        let [first, second] = values;
+        let (angle, reversed) = match self {
+            Self::Resolver { .. } => return Position::Resolver { sin: first as f32, cos: second as f32 },
+            Self::Counts { .. } | Self::Angle { .. } if !first.is_finite() => return Position::Missing,
+            Self::Counts { reversed, .. } => match self.turn() {
+                Ok(Some(turn)) => (turn.angle(first), *reversed),
+                Ok(None) | Err(_) => return Position::Missing,
+            },
+            Self::Angle { reversed, .. } => (angle_of(first), *reversed),
+        };
+        Position::Absolute(if reversed { angle.negated() } else { angle })
+    }
 }
 
 /// [`TrackingConstants`] without those of the resolver.
@@ -207,12 +327,10 @@ impl FrontEndFile {
             let factors: Vec<String> = FACTORS.iter().map(ToString::to_string).collect();
             return Err(format!("factor {}: there are filters for {}", self.factor, factors.join(", ")));
         }
-        match self.position {
-            Columns::Counts { bits, .. } if !(1..=32).contains(&bits) => {
-                return Err(format!("[position] bits {bits}: a turn has 2^1 to 2^32 counts"));
-            }
-            Columns::Counts { .. } | Columns::Resolver { .. } | Columns::Angle { .. } => {}
+        if phases == 3 && self.currents.phases != Phases::Ab {
+            return Err("[currents] phases is for two columns; three are a, b and c".into());
         }
+        self.position.turn()?;
         if !self.motor.electrical_offset_rad.is_finite() {
             return Err("[motor] electrical_offset_rad is not a number".into());
         }
@@ -233,7 +351,7 @@ impl FrontEndFile {
         match &self.position {
             Columns::Counts { counts, .. } => columns.push(counts),
             Columns::Resolver { sin, cos, .. } => columns.extend([sin.as_str(), cos.as_str()]),
-            Columns::Angle { angle_rad } => columns.push(angle_rad),
+            Columns::Angle { angle_rad, .. } => columns.push(angle_rad),
         }
         columns
     }
@@ -266,7 +384,10 @@ impl FrontEndFile {
             },
             frame: RotorFrame {
                 pole_pairs: self.motor.pole_pairs,
-                electrical_offset: angle_of(self.motor.electrical_offset_rad),
+                // From the first of the phases on.
+                electrical_offset: angle_of(
+                    self.motor.electrical_offset_rad - self.currents.phases.thirds() * TAU / 3.0,
+                ),
                 park: self.park(),
             },
         }
@@ -296,7 +417,7 @@ impl FrontEndFile {
 )]
 #[must_use]
 pub fn angle_of(radians: f64) -> Angle {
-    let turns = radians / std::f64::consts::TAU;
+    let turns = radians / TAU;
     Angle::from_bits(((turns - turns.floor()) * 4_294_967_296.0) as u64 as u32)
 }
 

@@ -1,0 +1,272 @@
+//! One object for a drive: front end, detector and monitor in a static, for the three contexts of a firmware.
+//!
+//! ```text
+//! current loop, highest priority        Watch::sample    counts ─► front end ─► queue
+//! interrupt below it, or the same one   Watch::collect   queue ─► detector ─► closed segment
+//! main loop                             Watch::advance   segment ─► report, alarm
+//! ```
+//!
+//! Each context works on parts of its own, behind locks that never wait: a call that finds one taken, because it has
+//! interrupted the other, leaves its work to the next call. Nothing is masked. A sample is lost only if the queue of
+//! [`QUEUE`] samples is full, a segment only if the main loop has not taken the one before; both are counted, and the
+//! detector treats lost samples as missing ones.
+
+mod collector;
+mod inputs;
+mod slot;
+#[cfg(test)]
+mod tests;
+
+pub use inputs::StartError;
+
+use core::fmt;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use try_lock::TryLock;
+
+use crate::alarm::StateError;
+use crate::detector::{Conclusion, Monitor, Segment};
+use crate::drive::Faults;
+use crate::model::Model;
+use crate::plan::Plan;
+use crate::reason::{Implausible, Kernel};
+use crate::signal::RateCheck;
+use collector::{Collector, Place, Queue};
+use inputs::Inputs;
+use slot::{Slot, take};
+
+/// Clean samples that wait for [`Watch::collect`] at most: it may come so many of their intervals late.
+pub const QUEUE: usize = 4;
+
+/// Milliseconds of a window of [`Watch::clock`]: two per cent of it are more than a main loop is late.
+const WINDOW_MS: u32 = 10_000;
+const TOLERANCE: f32 = 0.02;
+
+/// Front end, detector and monitor of one drive. `train --rust` declares it as `WATCH`, with `F` the front end, or `()`
+/// for a drive that has quadrature current and velocity itself.
+///
+/// ```
+/// # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
+/// use bearing_watch::watch::Watch;
+/// use model::{Drive, MODEL, Sample};
+///
+/// static WATCH: Watch<Drive> = Watch::new(); // `train` writes this line
+///
+/// WATCH.start(&MODEL)?;
+/// for k in 0..10_000 {
+///     // In the sampling interrupt:
+///     let t = 0.002 * k as f32;
+///     WATCH.sample(Sample { current_a: t.sin(), velocity_ref_rad_s: 40.0 * t.cos(), load_torque_nm: 0.1 });
+///     // There, or at a lower priority:
+///     WATCH.collect();
+///     // In the main loop:
+///     WATCH.advance(|now| println!("{:?}, alarm: {}", now.report.verdict, now.alarm.is_some()));
+/// }
+/// # Ok::<(), bearing_watch::watch::StartError>(())
+/// ```
+pub struct Watch<P: Plan, F: 'static = ()> {
+    inputs: Slot<Inputs<P, F>>,
+    queue: TryLock<Queue<P>>,
+    places: [Slot<Segment<P>>; 2],
+    collector: Slot<Collector<P>>,
+    /// The place of a closed segment, on its way to the main loop, and a clear one on its way back.
+    closed: TryLock<Option<Place<P>>>,
+    spare: TryLock<Option<Place<P>>>,
+    main: Slot<Main<P>>,
+    /// Those of the front end, for the main loop.
+    faults: Slot<Faults>,
+    counters: Counters,
+}
+
+/// What contexts tell each other by numbers alone.
+struct Counters {
+    /// Samples that the detector took.
+    rows: AtomicU32,
+    lost_samples: AtomicU32,
+    lost_segments: AtomicU32,
+    /// Closed segments, with wrap-around.
+    closed: AtomicU32,
+    /// Number of the segment that a fault has put in doubt, plus one: 0 for none.
+    doubted: AtomicU32,
+}
+
+/// What the main loop works on.
+struct Main<P: Plan> {
+    monitor: Monitor<'static, P>,
+    rate: RateCheck,
+    /// A place that the interrupt did not get yet.
+    returned: Option<Place<P>>,
+}
+
+/// What a firmware can tell beside verdicts and alarms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// What the front end has refused, as of the end of the last segment; `None` without a front end.
+    pub faults: Option<Faults>,
+    /// What the context of [`Watch::collect`] computes otherwise than the host of the training.
+    pub failed: Option<Kernel>,
+    /// Samples that the detector took, with wrap-around.
+    pub rows: u32,
+    /// Samples that were lost because [`Watch::collect`] came too late.
+    pub lost_samples: u32,
+    /// Segments that were lost because [`Watch::advance`] came too late.
+    pub lost_segments: u32,
+}
+
+impl<P: Plan, F> Watch<P, F> {
+    /// Nothing started; all bytes are zero, so that it takes no flash.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            inputs: Slot::new(),
+            queue: TryLock::new(Queue::new()),
+            places: [const { Slot::new() }; 2],
+            collector: Slot::new(),
+            closed: TryLock::new(None),
+            spare: TryLock::new(None),
+            main: Slot::new(),
+            faults: Slot::new(),
+            counters: Counters {
+                rows: AtomicU32::new(0),
+                lost_samples: AtomicU32::new(0),
+                lost_segments: AtomicU32::new(0),
+                closed: AtomicU32::new(0),
+                doubted: AtomicU32::new(0),
+            },
+        }
+    }
+
+    /// Fills the parts of the two lower contexts.
+    fn start_lower(&'static self, model: &'static Model<P>) -> Result<(), StartError> {
+        let [first, second] = &self.places;
+        let clear = || Segment::new(model);
+        let first = first.place(clear).ok_or(StartError::Started)?;
+        let second = second.place(clear).ok_or(StartError::Started)?;
+        *self.spare.try_lock().ok_or(StartError::Started)? = Some(second);
+        let rate = RateCheck::new(1.0 / model.constants().sampling.interval_s, 1000.0, TOLERANCE, WINDOW_MS);
+        let main = || Main { monitor: Monitor::new(model), rate, returned: None };
+        let filled = self.main.fill(main) && self.collector.fill(|| Collector::new(model, first));
+        if filled { Ok(()) } else { Err(StartError::Started) }
+    }
+
+    /// Takes the samples that wait, at a lower priority than the current loop, or behind [`Watch::sample`] in the same
+    /// interrupt. Returns whether a segment has closed, for a main loop that sleeps. The first call tests the
+    /// arithmetic of its context ([`known_answer_test`](crate::known_answer_test)), in some hundred thousand instructions: an
+    /// interrupt has settings of the processor of its own. If it fails, no segment has a verdict.
+    pub fn collect(&self) -> bool {
+        let closed = self.collector.with(|collector| collector.run(self));
+        closed == Some(true)
+    }
+
+    /// One step of the main loop, of bounded cost: solves a closed segment, and gives its report and alarm to `tell` at
+    /// the end. Returns what `tell` returns.
+    pub fn advance<R>(&self, tell: impl FnOnce(Conclusion<'_, P>) -> R) -> Option<R> {
+        self.main.with(|main| self.step(main, tell)).flatten()
+    }
+
+    fn step<R>(&self, main: &mut Main<P>, tell: impl FnOnce(Conclusion<'_, P>) -> R) -> Option<R> {
+        self.settle(main);
+        if let Some(place) = main.returned.take() {
+            main.returned = self.give(place);
+        }
+        if !main.monitor.is_solving() {
+            let place = take(&self.closed)?;
+            main.monitor.take_from(place);
+            main.returned = self.give(place);
+            return None;
+        }
+        let now = main.monitor.advance()?;
+        // For instrumental variables, and for weights of outliers.
+        self.collector.with(|collector| collector.detector.adopt(now.report));
+        Some(tell(now))
+    }
+
+    /// Gives a place back to the interrupt; returns it if that holds the lock.
+    fn give(&self, place: Place<P>) -> Option<Place<P>> {
+        match self.spare.try_lock() {
+            Some(mut spare) => spare.replace(place),
+            None => Some(place),
+        }
+    }
+
+    /// Withdraws a report that a fault has put in doubt.
+    fn settle(&self, main: &mut Main<P>) {
+        main.monitor.withdraw(self.counters.doubted.load(Ordering::Relaxed).wrapping_sub(1));
+    }
+
+    /// Compares the number of samples with the clock of the firmware, in milliseconds with wrap-around. Call it in the
+    /// main loop, as often as you like: while samples come at another rate than that of training, no segment has a
+    /// verdict ([`Implausible::Rate`]). Returns whether the rate is right with the call that closes a window of ten
+    /// seconds.
+    pub fn clock(&self, milliseconds: u32) -> Option<bool> {
+        let rows = self.counters.rows.load(Ordering::Relaxed);
+        let check = |main: &mut Main<P>| {
+            let right = main.rate.push(rows, milliseconds)?;
+            main.monitor.refuse((!right).then_some(Implausible::Rate));
+            Some(right)
+        };
+        self.main.with(check).flatten()
+    }
+
+    /// Works on the monitor in the main loop: alarm, evidence, limits of silence. `None` before the start.
+    pub fn monitor<R>(&self, work: impl FnOnce(&mut Monitor<'static, P>) -> R) -> Option<R> {
+        self.main.with(|main| {
+            self.settle(main);
+            work(&mut main.monitor)
+        })
+    }
+
+    /// Ends a run, at power-down, and writes evidence, alarm and trend into `buffer`; returns the number of bytes.
+    /// [`Watch::restore`] continues from them after the next start.
+    ///
+    /// # Errors
+    /// [`StateError::Unavailable`] before the start, and [`StateError::BufferTooSmall`].
+    pub fn end_run(&self, buffer: &mut [u8]) -> Result<usize, StateError> {
+        let end = |monitor: &mut Monitor<'static, P>| {
+            monitor.end_run();
+            monitor.save(buffer)
+        };
+        self.monitor(end).unwrap_or(Err(StateError::Unavailable))
+    }
+
+    /// Continues from the bytes of an earlier run.
+    ///
+    /// # Errors
+    /// Bytes that are damaged or of another model.
+    pub fn restore(&self, bytes: &[u8]) -> Result<(), StateError> {
+        self.monitor(|monitor| monitor.restore(bytes)).unwrap_or(Err(StateError::Unavailable))
+    }
+
+    /// Starts afresh where samples do not continue from the last one, as after a pause of the interrupt. Call it while
+    /// that is stopped. Returns `false` if [`Watch::collect`] runs.
+    pub fn restart(&self) -> bool {
+        self.main.with(|main| main.rate.restart());
+        let cleared = self.queue.try_lock().map(|mut queue| queue.clear()).is_some();
+        cleared && self.collector.with(|collector| collector.detector.restart()).is_some()
+    }
+
+    /// What was lost or refused.
+    pub fn status(&self) -> Status {
+        let of = |counter: &AtomicU32| counter.load(Ordering::Relaxed);
+        let Counters { rows, lost_samples, lost_segments, .. } = &self.counters;
+        Status {
+            faults: self.faults.with(|faults| *faults),
+            failed: self.collector.with(|collector| collector.failed()).flatten(),
+            rows: of(rows),
+            lost_samples: of(lost_samples),
+            lost_segments: of(lost_segments),
+        }
+    }
+}
+
+impl<P: Plan, F> Default for Watch<P, F> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<P: Plan, F> fmt::Debug for Watch<P, F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Watch").field("status", &self.status()).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,262 @@
+#![expect(clippy::cast_sign_loss, reason = "times, and counts of a converter")]
+
+use std::boxed::Box;
+use std::vec::Vec;
+
+use super::{QUEUE, StartError, Watch};
+use crate::alarm::StateError;
+use crate::detector::{Detector, Monitor};
+use crate::drive::{
+    BalanceLimits, By, Factor, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample,
+    ResolverLimits, RotorFrame, TrackingConstants,
+};
+use crate::plan::{MAX_CHANNELS, Signals as _};
+use crate::reason::{Implausible, Reason};
+use crate::report::{Report, Verdict};
+use crate::signal::{Angle, Park};
+use crate::tests::{Drive, MODEL, Sample, samples};
+
+fn started() -> &'static Watch<Drive> {
+    let watch: &'static Watch<Drive> = Box::leak(Box::default());
+    watch.start(&MODEL).unwrap();
+    watch
+}
+
+/// The report of a segment, by a main loop that does all its steps between two samples.
+fn concluded(watch: &'static Watch<Drive>) -> Option<Report<Drive>> {
+    (0..30).find_map(|_| watch.advance(|now| now.report.clone()))
+}
+
+/// The reports of detector and monitor alone.
+fn alone(stream: impl Iterator<Item = Sample>) -> Vec<Report<Drive>> {
+    let (mut detector, mut monitor, mut reports) = (Detector::new(&MODEL), Monitor::new(&MODEL), Vec::new());
+    for sample in stream {
+        if let Some(segment) = detector.collect(&sample) {
+            detector.adopt(monitor.conclude(segment).report);
+            reports.push(monitor.report().unwrap().clone());
+        }
+    }
+    reports
+}
+
+const ROWS: usize = 4000;
+
+#[test]
+fn reports_are_those_of_detector_and_monitor_alone_however_late_the_lower_interrupt_comes() {
+    let expected = alone(samples(1.0).take(ROWS));
+    assert!(expected.len() > 2);
+    for late in 1..=QUEUE {
+        let (watch, mut reports) = (started(), Vec::new());
+        for (k, sample) in samples(1.0).take(ROWS).enumerate() {
+            assert!(watch.sample(sample), "it waits");
+            if k % late == 0 {
+                watch.collect();
+            }
+            reports.extend(concluded(watch));
+        }
+        watch.collect();
+        while reports.len() < expected.len() {
+            reports.extend(concluded(watch));
+        }
+        assert!(reports == expected, "{late}");
+        let status = watch.status();
+        assert_eq!((status.rows as usize, status.lost_samples, status.lost_segments), (ROWS, 0, 0));
+        assert_eq!((status.failed, status.faults), (None, None));
+    }
+}
+
+#[test]
+fn samples_that_find_the_queue_full_are_counted_and_are_missing_ones_for_the_detector() {
+    let watch = started();
+    let mut shown = Vec::new();
+    let missing = Sample::of(&[f32::NAN; MAX_CHANNELS], Angle::ZERO);
+    let mut reports = Vec::new();
+    for (k, sample) in samples(1.0).take(ROWS).enumerate() {
+        watch.sample(sample);
+        // The interrupt does not come for ten samples: four wait in the queue, and the next one before it.
+        let held = (1000..1010).contains(&k);
+        let lost = (1004..1010).contains(&k);
+        shown.push(if lost { missing } else { sample });
+        if !held {
+            watch.collect();
+        }
+        reports.extend(concluded(watch));
+    }
+    assert_eq!(watch.status().lost_samples, 6);
+    assert_eq!(watch.status().rows as usize, ROWS);
+    let expected = alone(shown.into_iter());
+    assert!(!reports.is_empty() && reports[..] == expected[..reports.len()]);
+}
+
+#[test]
+fn a_segment_that_the_main_loop_does_not_take_is_lost_and_counted() {
+    let watch = started();
+    let mut closed = 0;
+    for sample in samples(1.0).take(ROWS) {
+        watch.sample(sample);
+        closed += u32::from(watch.collect());
+    }
+    let lost = watch.status().lost_segments;
+    assert_eq!((closed, lost as usize), (1, alone(samples(1.0).take(ROWS)).len() - 1));
+    assert_eq!(concluded(watch).unwrap().verdict, Verdict::Class(1));
+    assert!(concluded(watch).is_none());
+}
+
+#[test]
+fn a_context_that_interrupts_another_leaves_its_work_to_the_next_call() {
+    let (watch, expected) = (started(), alone(samples(1.0).take(ROWS)));
+    let mut reports = Vec::new();
+    let mut stream = samples(1.0).take(ROWS);
+    while let Some(sample) = stream.next() {
+        // The current loop comes while the lower interrupt takes from the queue.
+        let taking = watch.queue.try_lock();
+        assert!(!watch.sample(sample), "the next call offers it");
+        drop(taking);
+        if let Some(next) = stream.next() {
+            assert!(watch.sample(next));
+        }
+        // The lower interrupt comes while the main loop hands a report back, or takes a place.
+        watch.collector.with(|_| assert!(!watch.collect()));
+        let taking = watch.closed.try_lock();
+        watch.collect();
+        drop(taking);
+        watch.collect();
+        // And while the main loop is in its own call.
+        watch.main.with(|_| assert!(concluded(watch).is_none() && watch.monitor(|_| ()).is_none()));
+        let giving = watch.spare.try_lock();
+        reports.extend(concluded(watch));
+        drop(giving);
+        reports.extend(concluded(watch));
+    }
+    reports.extend(concluded(watch));
+    assert!(watch.status().lost_samples == 0 && reports == expected, "{:?}", watch.status());
+}
+
+#[test]
+fn it_starts_once_and_before_the_start_every_call_does_nothing() {
+    let watch: &'static Watch<Drive> = Box::leak(Box::default());
+    assert!(!watch.sample(samples(1.0).next().unwrap()) && !watch.collect() && concluded(watch).is_none());
+    assert!(watch.clock(0).is_none() && !watch.restart() && watch.status().rows == 0);
+    assert_eq!([watch.end_run(&mut [0; 999]), watch.restore(&[]).map(|()| 0)], [Err(StateError::Unavailable); 2]);
+    assert_eq!([watch.start(&MODEL), watch.start(&MODEL)], [Ok(()), Err(StartError::Started)]);
+    assert!(std::format!("{watch:?}").contains("rows: 0") && !StartError::Started.message().is_empty());
+}
+
+#[test]
+fn a_wrong_rate_leaves_no_verdict_until_it_is_right() {
+    let (watch, interval_ms) = (started(), 1e3 * f64::from(MODEL.constants().sampling.interval_s));
+    let (mut at_ms, mut rates, mut verdicts) = (0.0_f64, Vec::new(), Vec::new());
+    let windows = (80_000.0 / interval_ms) as usize;
+    for (k, sample) in samples(1.0).take(windows).enumerate() {
+        watch.sample(sample);
+        watch.collect();
+        // Each sample comes twice in the first half.
+        at_ms += if k < windows / 2 { 0.5 * interval_ms } else { interval_ms };
+        rates.extend(watch.clock(at_ms as u32));
+        verdicts.extend(concluded(watch).map(|report| report.verdict));
+    }
+    assert!(rates.contains(&false) && rates.last() == Some(&true), "{rates:?}");
+    let wrong = Verdict::Undetermined(Reason::Implausible(Implausible::Rate));
+    assert!(verdicts.contains(&wrong) && verdicts.last() == Some(&Verdict::Class(1)), "{verdicts:?}");
+}
+
+#[test]
+fn a_run_goes_on_from_the_state_of_the_one_before() {
+    let run = |state: &mut [u8], length: usize| {
+        let watch = started();
+        if length > 0 {
+            watch.restore(&state[..length]).unwrap();
+        }
+        for sample in samples(1.0).take(ROWS / 2) {
+            watch.sample(sample);
+            watch.collect();
+            concluded(watch);
+        }
+        let score = watch.monitor(|monitor| monitor.evidence().segments().0).unwrap();
+        (watch.end_run(state).unwrap(), score)
+    };
+    let mut state = [0; 4096];
+    let (length, first) = run(&mut state, 0);
+    let (_, second) = run(&mut state, length);
+    assert_eq!([first, second], [10, 20], "segments of both runs");
+    state[length / 2] ^= 1;
+    assert!(started().restore(&state[..length]).is_err());
+}
+
+const CONSTANTS: FrontEndConstants = FrontEndConstants {
+    control_rate_hz: 10.0 / MODEL.constants().sampling.interval_s,
+    sensors: [PhaseSensor { offset_counts: 2048.0, gain_a: 0.01, usable: [16, 4079] }; 3],
+    stuck_samples: 0,
+    balance: BalanceLimits { noise_a: 0.05, gain_tolerance: 0.02, window: 320 },
+    tracking: TrackingConstants {
+        bandwidth_hz: 100.0,
+        damping: 0.7,
+        error_limit_rad: 0.1,
+        lost_samples: 20,
+        settle_samples: 20,
+        resolver: ResolverLimits { low: 0.8, high: 1.2, mismatch: 0.05 },
+    },
+    frame: RotorFrame { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard },
+};
+
+fn raw(number: u32) -> RawSample<1> {
+    let turn = Angle::from_bits(number.wrapping_mul(300_000));
+    let electrical = turn.times(6).sin_cos();
+    let counts = [
+        (-electrical.sin),
+        0.5 * electrical.sin + 0.866 * electrical.cos,
+        0.5 * electrical.sin - 0.866 * electrical.cos,
+    ];
+    let counts = counts.map(|unit| (2048.0 + 500.0 * unit) as u16);
+    RawSample { number, currents: PhaseCounts::Three(counts), position: Position::Absolute(turn), further: [0.3] }
+}
+
+impl From<crate::drive::CleanSample<1>> for Sample {
+    fn from(clean: crate::drive::CleanSample<1>) -> Self {
+        Self::of(&[clean.current_a, clean.velocity_rad_s, clean.further[0]], clean.angle)
+    }
+}
+
+#[test]
+fn readings_pass_the_front_end_and_its_faults_are_told_with_each_segment() {
+    let watch: &'static Watch<Drive, FrontEnd<1, 10>> = Box::leak(Box::default());
+    watch.start(&MODEL, &CONSTANTS).unwrap();
+    let (mut front_end, mut detector) = (FrontEnd::<1, 10>::new(&CONSTANTS).unwrap(), Detector::new(&MODEL));
+    let (mut monitor, mut expected, mut reports) = (Monitor::new(&MODEL), Vec::new(), Vec::new());
+    let per_segment = 10 * MODEL.constants().sampling.segment_samples;
+    for number in 0..3 * per_segment + 500 {
+        let mut raw = raw(number);
+        // A saturated phase in the second segment, for one sample; a wrong gain from there on is found late.
+        if number == per_segment + 1000 {
+            raw.currents = PhaseCounts::Three([4095, 2048, 2048]);
+        }
+        if watch.sample(raw) {
+            watch.collect();
+        }
+        if let Some(clean) = front_end.push(&raw)
+            && let Some(segment) = detector.collect(&clean.into())
+        {
+            detector.adopt(monitor.conclude(segment).report);
+            expected.push(monitor.report().unwrap().clone());
+        }
+        reports.extend(watch.advance(|now| now.report.clone()));
+    }
+    assert!(reports.len() == 3 && reports == expected, "{} {}", reports.len(), expected.len());
+    assert_eq!(watch.status().faults.unwrap().currents[0].saturated, 1);
+}
+
+#[test]
+fn a_front_end_that_does_not_fit_is_refused() {
+    fn refused<const FACTOR: usize>(constants: &FrontEndConstants) -> StartError
+    where
+        By<FACTOR>: Factor,
+    {
+        let watch: &'static Watch<Drive, FrontEnd<1, FACTOR>> = Box::leak(Box::default());
+        let error = watch.start(&MODEL, constants).unwrap_err();
+        assert!(!watch.sample(raw(0)) && !std::format!("{error}").is_empty());
+        error
+    }
+    assert!(matches!(refused::<8>(&CONSTANTS), StartError::Model(_)), "another rate");
+    let without = FrontEndConstants { control_rate_hz: f32::NAN, ..CONSTANTS };
+    assert!(matches!(refused::<10>(&without), StartError::FrontEnd(_)));
+}
