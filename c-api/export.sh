@@ -22,10 +22,12 @@ rm -f "$out"
 rm "$object"
 size() { "${prefix}nm" "$library" 2>/dev/null | sed -n "s/^0*\([0-9a-f][0-9a-f]*\) A bw_size_of_$1\$/0x\1/p" | head -n 1; }
 state=$(size state)
+plan=$(dirname "$out")/bearing_watch_plan.h
+rm -f "$plan"
 if [ -n "$state" ]; then
     {
         echo "/* Bytes of memory that this library needs, made by export.sh. */"
         echo "#define BW_MODEL_STATE_SIZE $((state))u"
         echo "#define BW_MODEL_FRONT_END_SIZE $(($(size front_end)))u"
-    } > "$(dirname "$out")/bearing_watch_plan.h"
+    } > "$plan"
 fi

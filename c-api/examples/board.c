@@ -10,11 +10,15 @@ extern void initialise_monitor_handles(void);
 int main(void);
 void Reset_Handler(void);
 void Fault_Handler(void);
+void PendSV_Handler(void);
 
 #define CPACR (*(volatile uint32_t *)0xE000ED88u)
 #define SYST_CSR (*(volatile uint32_t *)0xE000E010u)
 #define SYST_RVR (*(volatile uint32_t *)0xE000E014u)
 #define SYST_CVR (*(volatile uint32_t *)0xE000E018u)
+
+#define ICSR (*(volatile uint32_t *)0xE000ED04u)
+#define SHPR3 (*(volatile uint32_t *)0xE000ED20u)
 
 typedef void (*Handler)(void);
 
@@ -25,7 +29,7 @@ __attribute__((section(".vectors"), used)) static const struct {
 } vectors = {
     &board_stack_top,
     {Reset_Handler, Fault_Handler, Fault_Handler, Fault_Handler, Fault_Handler, Fault_Handler, 0, 0, 0, 0,
-     Fault_Handler, Fault_Handler, 0, Fault_Handler, SysTick_Handler},
+     Fault_Handler, Fault_Handler, 0, PendSV_Handler, SysTick_Handler},
 };
 
 void Reset_Handler(void) {
@@ -39,7 +43,13 @@ void Reset_Handler(void) {
 
 void Fault_Handler(void) { _Exit(EXIT_FAILURE); }
 
+/* Programs with an interrupt below that of the samples have one of their own. */
+__attribute__((weak)) void PendSV_Handler(void) { Fault_Handler(); }
+
+void board_request_below(void) { ICSR = 1u << 28; }
+
 void board_start_sampling(uint32_t ticks) {
+    SHPR3 |= 0xFFu << 16; /* PendSV has the lowest priority */
     SYST_RVR = ticks - 1;
     SYST_CVR = 0;
     SYST_CSR = 7; /* the core's clock, interrupt, on */

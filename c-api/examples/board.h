@@ -11,6 +11,8 @@ extern "C" {
 /* The sampling interrupt: written by the program, called every `ticks` of the core's clock. */
 void SysTick_Handler(void);
 void board_start_sampling(uint32_t ticks);
+/* The interrupt below it, PendSV_Handler of the program: runs once after each request, when no other does. */
+void board_request_below(void);
 
 static inline void board_mask_interrupts(void) { __asm__ volatile("cpsid i" ::: "memory"); }
 static inline void board_unmask_interrupts(void) { __asm__ volatile("cpsie i" ::: "memory"); }

@@ -113,10 +113,20 @@ pub enum BwCode {
     SignatureMismatch = -65,
     /// The model is older than accepted.
     SignatureOlder = -66,
+    /// A function of the flash has failed; the record before is still there.
+    FlashFailed = -70,
+    /// The places are not multiples of `BW_FLASH_UNIT`, or have no room for a record.
+    FlashPlaces = -71,
+    /// The record is longer than its place.
+    FlashTooSmall = -72,
+    /// The flash reads back other bytes than were written: it is worn, or was not erased.
+    FlashNotWritten = -73,
+    /// Neither place has a good record.
+    FlashNoRecord = -74,
 }
 
 impl BwCode {
-    const ALL: [Self; 51] = [
+    const ALL: [Self; 56] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
@@ -168,6 +178,11 @@ impl BwCode {
         Self::SignatureKey,
         Self::SignatureMismatch,
         Self::SignatureOlder,
+        Self::FlashFailed,
+        Self::FlashPlaces,
+        Self::FlashTooSmall,
+        Self::FlashNotWritten,
+        Self::FlashNoRecord,
     ];
 
     const fn text(self) -> &'static CStr {
@@ -223,6 +238,11 @@ impl BwCode {
             Self::SignatureKey => c"the key of the signature is not accepted",
             Self::SignatureMismatch => c"the signature is not that of these bytes",
             Self::SignatureOlder => c"older than accepted",
+            Self::FlashFailed => c"a function of the flash has failed",
+            Self::FlashPlaces => c"the places in flash have no room for a record, or other multiples",
+            Self::FlashTooSmall => c"the record is longer than its place in flash",
+            Self::FlashNotWritten => c"the flash did not take what was written",
+            Self::FlashNoRecord => c"there is no good record in flash",
         }
     }
 }

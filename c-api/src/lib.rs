@@ -46,6 +46,7 @@ mod blocks;
 mod calibration;
 mod can;
 mod code;
+mod flash;
 mod front_end;
 mod growth;
 mod memory;
@@ -76,6 +77,10 @@ pub use calibration::{
 };
 pub use can::{BW_CAN_FRAME_SIZE, bw_can_frame};
 pub use code::{BwCode, bw_error_text};
+pub use flash::{
+    BW_FLASH_UNIT, BwFlash, bw_flash_load_model, bw_flash_prepare, bw_flash_restore, bw_flash_save,
+    bw_flash_store_model,
+};
 pub use front_end::constants::{BwFrontEndConstants, BwPhaseSensor, bw_check_front_end};
 pub use front_end::faults::{BwFrontEndFaults, BwImbalance, BwLock, bw_front_end_clear_faults, bw_front_end_faults};
 pub use front_end::sample::{BwCleanSample, BwPosition, BwRawSample};

@@ -41,7 +41,7 @@ const REASONS: Names<16> = names! {
     BwReason::FoundLate => "a fault that was found after the segment may have begun in it",
 };
 
-const CODES: Names<51> = names! {
+const CODES: Names<56> = names! {
     BwCode::Ok => "BW_CODE_OK",
     BwCode::Segment => "BW_CODE_SEGMENT",
     BwCode::Report => "BW_CODE_REPORT",
@@ -93,6 +93,11 @@ const CODES: Names<51> = names! {
     BwCode::SignatureKey => "BW_CODE_SIGNATURE_KEY",
     BwCode::SignatureMismatch => "BW_CODE_SIGNATURE_MISMATCH",
     BwCode::SignatureOlder => "BW_CODE_SIGNATURE_OLDER",
+    BwCode::FlashFailed => "BW_CODE_FLASH_FAILED",
+    BwCode::FlashPlaces => "BW_CODE_FLASH_PLACES",
+    BwCode::FlashTooSmall => "BW_CODE_FLASH_TOO_SMALL",
+    BwCode::FlashNotWritten => "BW_CODE_FLASH_NOT_WRITTEN",
+    BwCode::FlashNoRecord => "BW_CODE_FLASH_NO_RECORD",
 };
 
 fn name<const N: usize>((numbers, names): &Names<N>, number: i32) -> *const c_char {

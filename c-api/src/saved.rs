@@ -3,7 +3,7 @@
 use bearing_watch::Evidence;
 use bearing_watch::alarm::StateError;
 
-use crate::code::{BwCode, code};
+use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, elements, elements_mut, put};
 use crate::state::BwState;
 
@@ -31,17 +31,25 @@ pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: usize) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| {
-        check(bytes)?;
-        let size = Evidence::saved_len(&state.model);
-        if capacity < size {
-            return Err(BwCode::BufferTooSmall);
-        }
-        // SAFETY: writable by the contract; no other reference to them exists during this call.
-        let buffer = unsafe { elements_mut(bytes, size) }?;
-        state.settled(|monitor| monitor.save_within_run(buffer))?.map_err(refusal)?;
-        Ok(BwCode::Ok)
-    }))
+    code(unsafe { save(state, bytes, capacity) }.map(|_| BwCode::Ok))
+}
+
+/// Writes the state; returns the bytes that were written, and the id of the model.
+///
+/// # Safety
+/// As [`bw_save`].
+pub(crate) unsafe fn save<'a>(state: *mut BwState, bytes: *mut u8, capacity: usize) -> Outcome<(&'a [u8], u32)> {
+    // SAFETY: the contract of the caller.
+    let state = unsafe { at(state) }?;
+    check(bytes)?;
+    let size = Evidence::saved_len(&state.model);
+    if capacity < size {
+        return Err(BwCode::BufferTooSmall);
+    }
+    // SAFETY: writable by the contract; no other reference to them exists during this call.
+    let buffer = unsafe { elements_mut(bytes, size) }?;
+    state.settled(|monitor| monitor.save_within_run(buffer))?.map_err(refusal)?;
+    Ok((buffer, state.model.id()))
 }
 
 /// Continues from the alarm, scores and trend that `bw_save` wrote, for this model; there is no report then, and a
@@ -56,12 +64,17 @@ pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_restore(state: *mut BwState, bytes: *const u8, length: usize) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| {
-        // SAFETY: the same contract.
-        let bytes = unsafe { elements(bytes, length) }?;
-        state.settled(|monitor| monitor.restore(bytes))?.map_err(refusal)?;
-        Ok(BwCode::Ok)
-    }))
+    code(unsafe { elements(bytes, length) }.and_then(|bytes| unsafe { restore(state, bytes) }))
+}
+
+/// Continues from these bytes.
+///
+/// # Safety
+/// `state` is as for [`bw_restore`].
+pub(crate) unsafe fn restore(state: *mut BwState, bytes: &[u8]) -> Outcome {
+    // SAFETY: the contract of the caller.
+    unsafe { at(state) }?.settled(|monitor| monitor.restore(bytes))?.map_err(refusal)?;
+    Ok(BwCode::Ok)
 }
 
 fn refusal(error: StateError) -> BwCode {

@@ -18,7 +18,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 22] = [
+const SOURCES: [&str; 23] = [
     "code",
     "plan",
     "signature",
@@ -33,6 +33,7 @@ const SOURCES: [&str; 22] = [
     "alarm",
     "growth",
     "saved",
+    "flash",
     "front_end/mod",
     "calibration",
     "wiring",

@@ -45,11 +45,15 @@ impl<const FURTHER: usize> Iterator for Rows<FURTHER> {
         }
         let half = |place: usize| (word(row, place) & 0xffff) as u16;
         let (a, b, c, flags) = (half(4), half(6), half(8), half(10));
-        let two = flags & 2 != 0;
+        let currents = match (flags & 4 != 0, flags & 2 != 0) {
+            (true, _) => PhaseCounts::Quadrature(f32::from_bits(word(row, 4))),
+            (false, true) => PhaseCounts::Two([a, b]),
+            (false, false) => PhaseCounts::Three([a, b, c]),
+        };
         let missing = flags & 1 != 0;
         Some(RawSample {
             number: word(row, 0),
-            currents: if two { PhaseCounts::Two([a, b]) } else { PhaseCounts::Three([a, b, c]) },
+            currents,
             position: if missing { Position::Missing } else { Position::Absolute(Angle::from_bits(word(row, 12))) },
             further: core::array::from_fn(|k| f32::from_bits(word(row, FIXED + 4 * k))),
         })

@@ -190,6 +190,7 @@ def init(
     out: Optional[Path] = None,
     labels: Optional[Path] = None,
     labels_from_names: Optional[Path] = None,
+    front_end: Optional[Path] = None,
     force: bool = False,
     time: Optional[str] = None,
     rate_hz: Optional[float] = None,
@@ -206,14 +207,17 @@ def init(
         Labels, if they are not the ``labels.csv`` beside the traces.
     labels_from_names : path_like, optional
         Where labels are written, by the names of the files.
+    front_end : path_like, optional
+        For counts at the control rate: also write the file of the front end that makes current, velocity and angle of
+        them; relative to the folder of the drive file.
     force : bool
-        Replace the file if it exists.
+        Replace the files if they exist.
     time, rate_hz
         As of :func:`read`.
     """
     if labels is not None and labels_from_names is not None:
         raise TypeError("labels goes without labels_from_names")
-    own = {"out": out, "labels": labels, "labels_from_names": labels_from_names}
+    own = {"out": out, "labels": labels, "labels_from_names": labels_from_names, "front_end": front_end}
     plain: dict[str, Any] = {key: fspath(path) for key, path in own.items() if path is not None}
     plain["traces"] = [fspath(path) for path in ([traces] if isinstance(traces, (str, PathLike)) else traces)]
     plain.update(force=force, time=time, rate_hz=rate_hz)

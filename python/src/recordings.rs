@@ -95,6 +95,7 @@ struct Further {
     labels: Option<PathBuf>,
     labels_from_names: Option<PathBuf>,
     out: Option<PathBuf>,
+    front_end: Option<PathBuf>,
     #[serde(default)]
     force: bool,
 }
@@ -111,6 +112,7 @@ pub(crate) fn init(py: Python<'_>, options: &Bound<'_, PyDict>) -> PyResult<(Pat
             labels: options.labels.as_deref(),
             labels_from_names: options.labels_from_names.as_deref(),
             out: options.out.as_deref(),
+            front_end: options.front_end.as_deref(),
             force: options.force,
         };
         let log = Log::new(&Quiet);

@@ -175,6 +175,7 @@ def functions(tmp_path_factory):
             out=some(r, None),
             labels=some(r, None),
             labels_from_names=some(r, None),
+            front_end=some(r, None),
             force=some(r, False),
             time=some(r, None),
             rate_hz=some(r, None),

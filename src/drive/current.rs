@@ -29,10 +29,13 @@ impl Phase {
 }
 
 /// Converter counts of the phase currents at one instant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PhaseCounts {
-    /// Phases a and b; the third current is minus their sum, and nothing checks the sensors against each other.
+    /// No counts: the quadrature current of the drive's own control, A, NaN if it is missing. Nothing checks its sensors.
+    Quadrature(f32),
+    /// Phases a and b, or b and c, or c and a, with the electrical offset of the first one; the third current is minus
+    /// their sum, and nothing checks the sensors against each other.
     Two([u16; 2]),
     /// Phases a, b and c.
     Three([u16; 3]),
@@ -44,6 +47,7 @@ impl PhaseCounts {
     #[must_use]
     pub const fn as_slice(&self) -> &[u16] {
         match self {
+            Self::Quadrature(_) => &[],
             Self::Two(counts) => counts,
             Self::Three(counts) => counts,
         }
@@ -156,6 +160,7 @@ impl CurrentSensors {
     pub fn convert(&mut self, counts: &PhaseCounts) -> Abc {
         let [first, second, third] = &self.sensors;
         let (currents, usable, words) = match *counts {
+            PhaseCounts::Quadrature(_) => return Abc { a: f32::NAN, b: f32::NAN, c: f32::NAN },
             PhaseCounts::Two([a, b]) => {
                 let usable = first.is_usable(a) & second.is_usable(b);
                 let words = packed(a, b, 0);

@@ -12,6 +12,8 @@ use crate::signal::Angle;
 /// Flags of a sample, in the upper half of its second word.
 const TWO_CURRENTS: u32 = 1 << 16;
 const NO_POSITION: u32 = 1 << 17;
+/// The first word is the quadrature current instead of two counts.
+const QUADRATURE: u32 = 1 << 18;
 /// Words of a sample before those of its position.
 const CURRENTS: usize = 2;
 
@@ -61,11 +63,16 @@ impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
             Position::Resolver { sin, cos } => (true, [sin.to_bits(), cos.to_bits()], 0),
             Position::Missing => (self.resolver, [0; 2], NO_POSITION),
         };
-        let [a, b, c] = match raw.currents {
-            PhaseCounts::Three(counts) => counts,
+        let pair = |a: u16, b: u16| u32::from(a) | u32::from(b) << 16;
+        let (first, c) = match raw.currents {
+            PhaseCounts::Three([a, b, c]) => (pair(a, b), c),
             PhaseCounts::Two([a, b]) => {
                 flags |= TWO_CURRENTS;
-                [a, b, 0]
+                (pair(a, b), 0)
+            }
+            PhaseCounts::Quadrature(current_a) => {
+                flags |= QUADRATURE;
+                (current_a.to_bits(), 0)
             }
         };
         if self.samples.is_empty() {
@@ -78,7 +85,7 @@ impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
         let taken = self.samples.add(sample_bytes(resolver, further), |words| {
             let mut words = words.iter_mut();
             let mut put = |word: u32| words.next().into_iter().for_each(|cell| *cell = word.to_le_bytes());
-            put(u32::from(a) | u32::from(b) << 16);
+            put(first);
             put(u32::from(c) | flags);
             let [angle, cosine] = position;
             put(angle);
@@ -156,12 +163,15 @@ impl<'a> RawBlock<'a> {
         self.len() == 0
     }
 
-    /// Counts of the phase currents, by the place of the sample in the block.
+    /// Counts of the phase currents, or the quadrature current, by the place of the sample in the block.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "two counts a word")]
     pub fn currents(&self, sample: usize) -> Option<PhaseCounts> {
         let (first, second) = (self.word(sample, 0)?, self.word(sample, 1)?);
         let [a, b] = [first as u16, (first >> 16) as u16];
+        if second & QUADRATURE != 0 {
+            return Some(PhaseCounts::Quadrature(f32::from_bits(first)));
+        }
         let two = second & TWO_CURRENTS != 0;
         Some(if two { PhaseCounts::Two([a, b]) } else { PhaseCounts::Three([a, b, second as u16]) })
     }
@@ -259,6 +269,20 @@ mod tests {
         assert_eq!((block.len(), block.further, block.position(2)), (3, 1, Some(turned(9).position)));
         assert_eq!((block.further(2, 0).unwrap().to_bits(), block.further(2, 1)), (0x7FC0_1234, None));
         assert_eq!(RawRecorder::<2, 50>::new(1e4).with_further(3).block().further, 2, "there are no more");
+    }
+
+    #[test]
+    fn a_quadrature_current_comes_back_with_its_bits() {
+        let mut recorder = RawRecorder::<2, 80>::new(8000.0);
+        for (number, current_a) in [(0, -12.75), (1, f32::NAN)] {
+            assert!(!recorder.push(&RawSample { currents: PhaseCounts::Quadrature(current_a), ..turned(number) }));
+        }
+        let block = recorder.block();
+        assert_eq!(
+            (block.currents(0), block.position(0)),
+            (Some(PhaseCounts::Quadrature(-12.75)), Some(turned(0).position))
+        );
+        assert!(matches!(block.currents(1), Some(PhaseCounts::Quadrature(current_a)) if current_a.is_nan()));
     }
 
     #[test]

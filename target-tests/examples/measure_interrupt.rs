@@ -106,7 +106,7 @@ fn row(motor: &mut Motor<FURTHER>, error: u16) -> RawSample<FURTHER> {
     let raw = motor.sample();
     let currents = match raw.currents {
         PhaseCounts::Two([a, b]) => PhaseCounts::Three([a.saturating_add(error), b, 3 * 2048 - a - b]),
-        currents @ PhaseCounts::Three(_) => currents,
+        currents @ (PhaseCounts::Quadrature(_) | PhaseCounts::Three(_)) => currents,
     };
     RawSample { currents, ..raw }
 }

@@ -47,6 +47,14 @@ pub fn has_section(path: &Path, name: &str) -> Result<bool> {
     Ok(file.section_by_name(name).is_some())
 }
 
+/// Bytes of statics that start with other values than zero: they take flash, too.
+pub fn initialised(path: &Path) -> Result<u64> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file =
+        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    Ok(file.section_by_name(".data").map_or(0, |section| section.size()))
+}
+
 /// Names of the linked symbols that hold a piece of text; linking has dropped what is not called.
 pub fn symbols_with(path: &Path, piece: &str) -> Result<Vec<String>> {
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;

@@ -85,9 +85,9 @@ fn title(elf: &Path, machine: &str) -> String {
 }
 
 /// Runs an ELF file by a command that takes it as its last argument, as cargo calls a runner.
-pub fn run_by(mut runner: Command, elf: &Path) -> Result<Vec<String>> {
+pub fn run_by(runner: &mut Command, elf: &Path) -> Result<Vec<String>> {
     runner.arg(std::path::absolute(elf)?);
-    within(&mut runner, PATIENCE, Echo::Off, None).with_context(|| format!("{runner:?}"))
+    within(runner, PATIENCE, Echo::Off, None).with_context(|| format!("{runner:?}"))
 }
 
 fn within(command: &mut Command, patience: Duration, echo: Echo, decoder: Option<Command>) -> Result<Vec<String>> {

@@ -189,7 +189,16 @@ pub(super) fn raw(number: &mut u32, input: &mut Input<'_>) -> BwRawSample {
     if input.byte().is_multiple_of(2) {
         let counts = [0_u16, 1, 2].map(|phase| 1500 + (*number as u16).wrapping_mul(7 + phase) % 1000);
         let angle = number.wrapping_mul(20_507_188);
-        return BwRawSample { number: *number, counts, phases: 2, position: 1, angle, sin: 0.0, cos: 0.0 };
+        return BwRawSample {
+            number: *number,
+            counts,
+            phases: 2,
+            position: 1,
+            angle,
+            sin: 0.0,
+            cos: 0.0,
+            current_a: 0.0,
+        };
     }
     BwRawSample {
         number: *number,
@@ -199,6 +208,7 @@ pub(super) fn raw(number: &mut u32, input: &mut Input<'_>) -> BwRawSample {
         angle: input.word(),
         sin: input.number(),
         cos: input.number(),
+        current_a: input.number(),
     }
 }
 

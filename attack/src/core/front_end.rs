@@ -133,7 +133,11 @@ fn conclude(check: &WiringCheck) {
 
 fn counts(input: &mut Input<'_>) -> PhaseCounts {
     let counts = [input.half(), input.half(), input.half()];
-    if input.byte().is_multiple_of(2) { PhaseCounts::Three(counts) } else { PhaseCounts::Two([counts[0], counts[1]]) }
+    match input.byte() % 5 {
+        0 | 1 => PhaseCounts::Three(counts),
+        2 => PhaseCounts::Quadrature(input.number()),
+        _ => PhaseCounts::Two([counts[0], counts[1]]),
+    }
 }
 
 /// A raw sample of any bits.

@@ -193,6 +193,7 @@ mod tests {
             angle: 0,
             sin: 0.0,
             cos: 0.0,
+            current_a: 0.0,
         };
         // SAFETY: the memory is there as long as the front end is used.
         unsafe {

@@ -29,7 +29,7 @@ pub struct BwRawSample {
     /// Converter counts of the currents of phases a, b, c; c is not used with two phases.
     pub counts: [u16; 3],
     /// Number of measured phases, 2 or 3. With two, the third current is minus the sum, and nothing checks the sensors
-    /// against each other.
+    /// against each other. 1 stands for `current_a` in the place of counts.
     pub phases: u8,
     /// What there is of the position, `BW_POSITION_…`.
     pub position: u8,
@@ -39,6 +39,8 @@ pub struct BwRawSample {
     pub sin: f32,
     /// Amplitude times cosine.
     pub cos: f32,
+    /// With `phases` of 1, the quadrature current that the control of the drive makes itself, A; NaN if it is missing.
+    pub current_a: f32,
 }
 
 /// All signals at one instant, some raw samples ago.
@@ -72,7 +74,10 @@ impl BwRawSample {
             2 => Position::Resolver { sin: self.sin, cos: self.cos },
             _ => return Err(BwCode::OutOfRange),
         };
-        let currents = phase_counts(&self.counts, self.phases)?;
+        let currents = match self.phases {
+            1 => PhaseCounts::Quadrature(self.current_a),
+            phases => phase_counts(&self.counts, phases)?,
+        };
         let mut all = [0.0; FURTHER];
         all.iter_mut().zip(further).for_each(|(cell, value)| *cell = *value);
         Ok(RawSample { number: self.number, currents, position, further: all })

@@ -81,6 +81,7 @@ pub fn raw_for_c(own: &RawSample<2>) -> BwRawSample {
     let (counts, phases) = match own.currents {
         PhaseCounts::Two([a, b]) => ([a, b, 0xFFFF], 2),
         PhaseCounts::Three(counts) => (counts, 3),
+        PhaseCounts::Quadrature(_) => ([0; 3], 1),
     };
     let empty = BwRawSample {
         number: own.number,
@@ -90,6 +91,7 @@ pub fn raw_for_c(own: &RawSample<2>) -> BwRawSample {
         angle: 0,
         sin: f32::NAN,
         cos: f32::NAN,
+        current_a: if let PhaseCounts::Quadrature(current_a) = own.currents { current_a } else { 7.0 },
     };
     match own.position {
         Position::Missing => empty,

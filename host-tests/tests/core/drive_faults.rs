@@ -43,7 +43,7 @@ pub fn scattered(k: u32) -> u32 {
 pub fn counts(raw: &mut Raw) -> &mut [u16; 3] {
     match &mut raw.currents {
         PhaseCounts::Three(counts) => counts,
-        PhaseCounts::Two(_) => panic!("three sensors"),
+        PhaseCounts::Quadrature(_) | PhaseCounts::Two(_) => panic!("three sensors"),
     }
 }
 

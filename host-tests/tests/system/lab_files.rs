@@ -67,7 +67,8 @@ fn files_of_laboratories_train_or_are_refused_with_the_reason() {
         let folder = copies.path().join(name);
         copied(&files.join(name), &folder);
         let data = Data { traces: vec![folder.clone()], ..Data::default() };
-        let asked = Asked { data: &data, labels: None, labels_from_names: None, out: None, force: false };
+        let asked =
+            Asked { data: &data, labels: None, labels_from_names: None, out: None, front_end: None, force: false };
         // It tries training itself, and is an error where training refuses.
         let described = describe(&asked, &Log::new(&Quiet));
         match (right, described) {

@@ -25,7 +25,8 @@
 //! of the detector at most, and the detector refuses these. Three faults are found only after a window of samples that
 //! were used already: [`CleanSample::found_late`] is then set. Without an angle there is no Park transform: current,
 //! velocity and angle are missing. While the currents do not fit each other or do not turn with the rotor, the current
-//! is missing. Offsets of the current sensors are removed as far as they are small. A gap in the numbers of the samples
+//! is missing. A quadrature current of the drive's own ([`PhaseCounts::Quadrature`]) passes the filters as it is. Offsets
+//! of the current sensors are removed as far as they are small. A gap in the numbers of the samples
 //! makes every output NaN that has taps on both sides.
 //!
 //! **Cost.** `cargo xtask measure` prints the instructions of a sample and the state, by 8 and by 10, with a converter
@@ -279,20 +280,26 @@ where
             self.resume(raw.number);
         }
         self.next = Some(raw.number.wrapping_add(1));
+        let own_current_a = match raw.currents {
+            PhaseCounts::Quadrature(current_a) => Some(current_a),
+            PhaseCounts::Two(_) | PhaseCounts::Three(_) => None,
+        };
         let currents = self.sensors.convert(&raw.currents);
         let mut now = Held { further: raw.further, ..Held::MISSING };
         let mut velocity_rad_s = f32::NAN;
         if let Some(tracked @ Tracked { angle, error_rad }) = self.tracker.push(&raw.position) {
-            let electrical = self.frame.electrical(angle);
-            let turn = electrical.sin_cos();
-            self.balance.gather(currents, electrical, turn);
-            // In a sample that gives no output, so that an interrupt has one of the two at a time.
-            if self.balance.is_full() && (FACTOR == 1 || self.to_centre != Self::OUTPUT) {
-                self.balance.close();
-                self.sensors.shift(self.balance.remove_offsets());
-            }
-            if self.balance.imbalance().is_none() {
-                now.current_a = self.frame.park.forward(currents.clarke(), turn).q;
+            if own_current_a.is_none() {
+                let electrical = self.frame.electrical(angle);
+                let turn = electrical.sin_cos();
+                self.balance.gather(currents, electrical, turn);
+                // In a sample that gives no output, so that an interrupt has one of the two at a time.
+                if self.balance.is_full() && (FACTOR == 1 || self.to_centre != Self::OUTPUT) {
+                    self.balance.close();
+                    self.sensors.shift(self.balance.remove_offsets());
+                }
+                if self.balance.imbalance().is_none() {
+                    now.current_a = self.frame.park.forward(currents.clarke(), turn).q;
+                }
             }
             (now.angle, now.error_rad, now.measured) = (angle, error_rad, tracked.measured());
             if self.measured < 2 {
@@ -302,6 +309,9 @@ where
             }
         } else {
             self.measured = 0;
+        }
+        if let Some(current_a) = own_current_a {
+            now.current_a = if current_a.is_finite() { current_a } else { f32::NAN };
         }
         let mut held = core::mem::replace(&mut self.held, now);
         self.before = held.measured;

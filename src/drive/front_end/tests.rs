@@ -322,6 +322,32 @@ fn constants_out_of_range_are_refused_by_name() {
 }
 
 #[test]
+fn a_quadrature_current_of_the_drive_passes_the_filters_with_the_angle() {
+    let mut front_end = FrontEnd::<2, 8>::new(&CONSTANTS).unwrap();
+    let (drive, delay) = (Drive { passed_hz: 300.0 }, FrontEnd::<2, 8>::DELAY as u32);
+    let (mut missing, mut outputs) = (0, 0);
+    for number in 0..20_000 {
+        let current_a = match number {
+            9000 => f32::NAN,
+            9001 => f32::INFINITY,
+            _ => drive.current(f64::from(number) / RATE_HZ) as f32,
+        };
+        let raw = RawSample { currents: PhaseCounts::Quadrature(current_a), ..drive.raw(number, 0.0) };
+        let Some(clean) = front_end.push(&raw) else { continue };
+        outputs += 1;
+        let departures = drive.departures(&clean, (number - delay) as usize);
+        if clean.current_a.is_nan() {
+            missing += 1;
+            assert!((9000..9300).contains(&number) && departures[1] <= TOLERANCES[1], "{number}: {departures:?}");
+        } else if number > 2 * delay + 100 {
+            assert!(departures.iter().zip(TOLERANCES).all(|(departure, most)| *departure <= most), "{departures:?}");
+        }
+    }
+    assert!((10..40).contains(&missing) && outputs > 2400, "{missing} {outputs}");
+    assert!(front_end.faults().is_clear() && !front_end.faults().aligned, "{:?}", front_end.faults());
+}
+
+#[test]
 fn the_first_sample_is_complete_unless_none_is_for_two_seconds() {
     let drive = Drive { passed_hz: 300.0 };
     let first = |known_from: u32, position: bool| {

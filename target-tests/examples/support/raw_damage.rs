@@ -39,6 +39,7 @@ impl RawDamage {
     fn spoil_counts(&mut self, kind: Kind, currents: &mut PhaseCounts) {
         let counts: &mut [u16] = match currents {
             PhaseCounts::Three(counts) => counts,
+            PhaseCounts::Quadrature(_) => &mut [],
             PhaseCounts::Two(counts) => counts,
         };
         let seed = self.damage.seed();

@@ -27,7 +27,11 @@ pub(super) struct Args {
     /// The file; by default drive.toml in the folder of the first trace, or here if that cannot be written
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace the file if it exists
+    /// The recordings are counts at the control rate: also write the file of the front end that makes current, velocity
+    /// and angle of them, by what they tell of sensors and motor. By default front_end.toml beside the drive file
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "front_end.toml")]
+    front_end: Option<PathBuf>,
+    /// Replace the files if they exist
     #[arg(long)]
     force: bool,
 }
@@ -38,6 +42,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         labels: args.labels.as_deref(),
         labels_from_names: args.labels_from_names.as_deref(),
         out: args.out.as_deref(),
+        front_end: args.front_end.as_deref(),
         force: args.force,
     };
     output::say(output::logged(|log| describe(&asked, log))?.told)

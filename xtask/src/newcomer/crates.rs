@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::{Folder, blocks, commands, copy, same_classes};
 use crate::toolchain::Way;
-use crate::{child, firmware, qemu, workspace};
+use crate::{child, elf, firmware, qemu, workspace};
 
 /// The chapter that goes from an empty folder to firmware.
 pub const CHAPTER: &str = "book/src/firmware.md";
@@ -43,19 +43,31 @@ pub fn by_template(way: Way) -> Result<String> {
     verdicts(way, folder.path())
 }
 
-/// Builds the crate of a folder and runs it as its configuration says. The classes must be those that `replay` prints
-/// for the same recording, and the chapter must quote the first line.
+/// Builds the crate of a folder and runs it twice as its configuration says. The classes must be those that `replay`
+/// prints for the same recording, the second run goes on with the state of the first one and ends with an alarm, and the
+/// chapter must quote the first line of both.
 fn verdicts(way: Way, folder: &Path) -> Result<String> {
     // The versions of the workspace, so that the outcome does not depend on the day.
     fs::copy(workspace::root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
     let elf = firmware::build_crate(way, folder, PACKAGE)?;
-    let lines = qemu::run_by(runner(&fs::read_to_string(folder.join(CONFIGURATION))?)?, &elf)?;
+    ensure!(elf::initialised(&elf)? == 0, "a static that starts with other bytes than zero takes flash, too");
+    let run = || qemu::run_by(runner(&fs::read_to_string(folder.join(CONFIGURATION))?)?.current_dir(folder), &elf);
+    let (lines, again) = (run()?, run()?);
+    ensure!(again.iter().any(|line| line.ends_with(", ALARM")), "no alarm in the second run: {again:?}");
     let classes: Vec<String> = lines.iter().map(|line| line.split(',').next().unwrap_or_default().to_owned()).collect();
     let outcome = same_classes(&replayed(MODEL, &folder.join(TRACE))?, &classes)?;
-    let quoted = lines.first().map(|line| format!("`{line}`")).unwrap_or_default();
     let chapter = fs::read_to_string(workspace::root().join(CHAPTER))?;
-    ensure!(chapter.contains(&quoted), "{CHAPTER} does not quote {quoted}");
-    Ok(outcome)
+    for line in [lines.first(), again.first()] {
+        let quoted = line.map(|line| format!("`{line}`")).unwrap_or_default();
+        ensure!(chapter.contains(&quoted), "{CHAPTER} does not quote {quoted}");
+    }
+    let code = lines_of_code(&fs::read_to_string(folder.join("src/main.rs"))?);
+    Ok(format!("{outcome}; {code} lines of code beside what a board has"))
+}
+
+/// Lines that are neither empty nor a comment.
+fn lines_of_code(text: &str) -> usize {
+    text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//")).count()
 }
 
 /// The classes that the host prints for a trace, by a model of the repository.

@@ -12,7 +12,7 @@ use anyhow::{Context, Result, ensure};
 use flate2::{Compression, GzBuilder};
 
 use super::description::{Library, Targets, cmake_config, cmake_version, pkg_config};
-use super::{VERSION, dist, notices, user};
+use super::{VERSION, dist, manifests, notices, user};
 use crate::board::DRIVE;
 use crate::tally::Tally;
 use crate::target::brief;
@@ -66,7 +66,13 @@ fn make(way: Way) -> Result<PathBuf> {
     let host = if cfg!(target_os = "linux") { c_symbols::export("", &host)? } else { host };
     parts.push((format!("lib/{}/{FILE}", targets.host), stripped("strip", &host)?));
     let chip = firmware::build_c_library(way, DRIVE, "", "")?;
-    parts.push((format!("lib/{}/{FILE}", targets.chip), stripped("arm-none-eabi-strip", &chip)?));
+    let chip = stripped("arm-none-eabi-strip", &chip)?;
+    // The Arduino IDE takes libraries and headers from folders of its own.
+    let header = fs::read(workspace::root().join("c-api/include/bearing_watch.h"))?;
+    parts.extend(manifests::ARDUINO.map(|folder| (format!("src/{folder}/{FILE}"), chip.clone())));
+    parts.push(("src/bearing_watch.h".into(), header));
+    parts.push((format!("lib/{}/{FILE}", targets.chip), chip));
+    parts.extend(manifests::files(&library).into_iter().map(|(name, text)| (name, text.into_bytes())));
     dist::remove(&[ENDING])?;
     let path = dist::folder()?.join(format!("{NAME}-{VERSION}{ENDING}"));
     fs::write(&path, packed(parts)?)?;

@@ -17,6 +17,7 @@ mod description;
 mod dist;
 mod features;
 mod interface;
+mod manifests;
 mod notices;
 mod oldest;
 mod packages;

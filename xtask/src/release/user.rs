@@ -37,6 +37,49 @@ pub fn checks(tally: &mut Tally) {
         let title = format!("the archive in empty firmware, {}", builder.program);
         tally.check(&title, brief(firmware(builder)));
     }
+    tally.check("the archive as a module of Zephyr", brief(zephyr()));
+    let title = "the archive as a library of PlatformIO";
+    if child::on_path("pio") {
+        tally.check(title, platformio().map(|()| "packed").map_err(|error| format!("{error:#}")));
+    } else {
+        tally.skip(title, "no pio: pip install platformio");
+    }
+}
+
+/// The functions of Zephyr that the module calls, for the program `drive`, and the module.
+const ZEPHYR: &str = "
+add_executable(${CMAKE_PROJECT_NAME} main.c detector.c board.c held_out.s)
+target_include_directories(${CMAKE_PROJECT_NAME} PRIVATE model)
+function(zephyr_include_directories)
+    target_include_directories(${CMAKE_PROJECT_NAME} PRIVATE ${ARGV})
+endfunction()
+function(zephyr_link_libraries)
+    target_link_libraries(${CMAKE_PROJECT_NAME} m c ${ARGV})
+endfunction()
+set(CONFIG_BEARING_WATCH y)
+add_subdirectory(bearing-watch/zephyr zephyr-module)
+";
+
+/// The project of the interface's document by CMake, in which the module takes the place of the library.
+fn zephyr() -> Result<String> {
+    let folder = Folder::new("firmware-zephyr")?;
+    unpacked(folder.path())?;
+    c::write_project(folder.path(), &workspace::root())?;
+    let file = folder.path().join("CMakeLists.txt");
+    let text = fs::read_to_string(&file)?;
+    let (settings, _) = text.split_once("add_executable(").context("the project has no program")?;
+    fs::write(&file, format!("{settings}{ZEPHYR}"))?;
+    let [_, cmake] = &c::BUILDERS;
+    c::verdicts(cmake, folder.path())
+}
+
+/// PlatformIO's own packer reads the manifest and takes the files.
+fn platformio() -> Result<()> {
+    let folder = Folder::new("platformio")?;
+    unpacked(folder.path())?;
+    let mut pack = Command::new("pio");
+    pack.args(["pkg", "pack", "bearing-watch"]).current_dir(folder.path());
+    child::succeed(&mut pack)
 }
 
 fn records(name: &str, build: &str, result: &str) -> Result<String> {

@@ -5,6 +5,7 @@ use bearing_watch::telemetry::RawBlock;
 
 /// Names of the phases' columns.
 const PHASES: [&str; 3] = ["phase_a_counts", "phase_b_counts", "phase_c_counts"];
+const QUADRATURE: &str = "iq_a";
 /// Names of the position's: counts of 32 bits, or sine and cosine.
 const ANGLE: [&str; 1] = ["angle_counts"];
 const RESOLVER: [&str; 2] = ["sin", "cos"];
@@ -27,8 +28,17 @@ pub(super) fn further(block: &RawBlock<'_>, given: &[String]) -> Result<Vec<Stri
 /// Names of all columns.
 pub(super) fn columns(block: &RawBlock<'_>, further: &[String]) -> Vec<String> {
     let position: &[&str] = if block.resolver { &RESOLVER } else { &ANGLE };
-    let own = PHASES.iter().take(phases(block)).chain(position).map(|name| (*name).to_string());
+    let currents = if quadrature(block, 0).is_some() { &[QUADRATURE][..] } else { &PHASES[..phases(block)] };
+    let own = currents.iter().chain(position).map(|name| (*name).to_string());
     own.chain(further.iter().cloned()).collect()
+}
+
+/// The quadrature current, if the drive sends it instead of counts.
+fn quadrature(block: &RawBlock<'_>, place: usize) -> Option<f32> {
+    match block.currents(place) {
+        Some(PhaseCounts::Quadrature(current_a)) => Some(current_a),
+        _ => None,
+    }
 }
 
 /// Number of current sensors.
@@ -40,7 +50,7 @@ fn phases(block: &RawBlock<'_>) -> usize {
 pub(super) fn values(block: &RawBlock<'_>, place: usize) -> Vec<f64> {
     let counts = block.currents(place).unwrap_or(PhaseCounts::Three([0; 3]));
     let own = counts.as_slice().iter().copied().map(f64::from).chain([f64::NAN; 3]).take(phases(block));
-    let mut values: Vec<f64> = own.collect();
+    let mut values: Vec<f64> = quadrature(block, place).map(f64::from).into_iter().chain(own).collect();
     match block.position(place).unwrap_or(Position::Missing) {
         Position::Absolute(angle) => values.push(angle.bits().into()),
         Position::Resolver { sin, cos } => values.extend([sin, cos].map(f64::from)),

@@ -157,6 +157,8 @@ fn headers_compile_whatever_their_channels_and_classes_are_called() {
             let names = "const char *n[] = BW_MODEL_CHANNEL_NAMES; const char *c[] = BW_MODEL_CLASS_NAMES;";
             std::fs::write(&file, format!("{header}\n{checks}\n{names}\n")).expect("writable");
             let mut command = Command::new(compiler);
+            // The header of the library, which that of a model includes.
+            command.args(["-I", concat!(env!("CARGO_MANIFEST_DIR"), "/../../c-api/include")]);
             command.args(["-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-Wno-unused"]).arg(&file);
             let Ok(output) = command.output() else {
                 println!("skipped: {compiler} is not installed");

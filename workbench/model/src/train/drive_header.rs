@@ -8,7 +8,7 @@ use crate::trace::FrontEndFile;
 use crate::trace::front_end::{Columns, Turn};
 
 /// Names that a reading has itself.
-const TAKEN: [&str; 7] = ["number", "phases", "position_missing", "position", "sin", "cos", "angle"];
+const TAKEN: [&str; 8] = ["number", "phases", "current_a", "position_missing", "position", "sin", "cos", "angle"];
 
 /// Returns the part of the header, of a drive with a front end or with the channels of the model as its own signals.
 pub(super) fn drive_header(channels: &[Channel], needs_angle: bool, file: Option<&FrontEndFile>) -> String {
@@ -51,7 +51,11 @@ fn raw_fields(out: &mut String, file: &FrontEndFile) {
         out,
         "    uint32_t number; /* of the instant, such as that of the PWM period: a missed interrupt leaves a gap */",
     );
-    line(out, &format!("    uint16_t phases[{phases}]; /* converter counts of the currents of phases {which} */"));
+    if phases == 1 {
+        line(out, "    float current_a; /* quadrature current of the drive's own control; NAN if it is missing */");
+    } else {
+        line(out, &format!("    uint16_t phases[{phases}]; /* converter counts of the currents of phases {which} */"));
+    }
     line(out, "    bool position_missing; /* the sensor or its line reports a fault */");
     line(
         out,
@@ -125,8 +129,9 @@ fn raw_sample(out: &mut String, file: &FrontEndFile, names: &[String]) {
     }
     *out += "    BwCode code, put;\n    raw.number = reading->number;\n";
     line(out, &format!("    raw.phases = {phases};"));
+    line(out, &format!("    raw.current_a = {};", if phases == 1 { "reading->current_a" } else { "0.0f" }));
     for k in 0..3 {
-        let counts = if k < phases { format!("reading->phases[{k}]") } else { "0".into() };
+        let counts = if k < phases && phases > 1 { format!("reading->phases[{k}]") } else { "0".into() };
         line(out, &format!("    raw.counts[{k}] = {counts};"));
     }
     let (kind, angle, signals) = match &file.position {

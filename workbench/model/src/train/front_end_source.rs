@@ -93,6 +93,11 @@ fn position(columns: &Columns) -> Result<Vec<String>, Error> {
     Ok(lines)
 }
 
+/// The field of the phases, with its documentation.
+fn phase_field(which: &str, phases: usize) -> [String; 2] {
+    [format!("/// Converter counts of the currents of phases {which}."), format!("pub phases: [u16; {phases}],")]
+}
+
 /// The field of a channel: that of its name, unless the reading has one of this name itself.
 fn field_of(name: &str) -> String {
     let taken = ["number", "phases", "position", "resolver"].contains(&name);
@@ -102,9 +107,16 @@ fn field_of(name: &str) -> String {
 /// What the drive reads at one instant, by names, and its conversion.
 fn reading(model: &Model<RunTime>, file: &FrontEndFile) -> Vec<String> {
     let phases = file.currents.columns.len();
-    let (which, kind) = match file.currents.phases.names() {
-        _ if phases == 3 => ("a, b and c".into(), "Three"),
-        [first, second] => (format!("{first} and {second}"), "Two"),
+    let (current, currents) = match file.currents.phases.names() {
+        _ if phases == 1 => (
+            [
+                "/// Quadrature current of the drive's own control, A; NaN if it is missing.".into(),
+                "pub current_a: f32,".into(),
+            ],
+            "Quadrature(reading.current_a)",
+        ),
+        _ if phases == 3 => (phase_field("a, b and c", 3), "Three(reading.phases)"),
+        [first, second] => (phase_field(&format!("{first} and {second}"), 2), "Two(reading.phases)"),
     };
     let (field, kind_of_field, doc, made) = match file.position {
         Columns::Resolver { .. } => (
@@ -134,11 +146,9 @@ fn reading(model: &Model<RunTime>, file: &FrontEndFile) -> Vec<String> {
         "pub struct Reading {".into(),
         "    /// Number of the instant, such as that of the PWM period: a missed interrupt leaves a gap.".into(),
         "    pub number: u32,".into(),
-        format!("    /// Converter counts of the currents of phases {which}."),
-        format!("    pub phases: [u16; {phases}],"),
-        format!("    /// {doc}"),
-        format!("    pub {field}: {kind_of_field},"),
     ];
+    lines.extend(current.map(|text| format!("    {text}")));
+    lines.extend([format!("    /// {doc}"), format!("    pub {field}: {kind_of_field},")]);
     for channel in channels {
         lines.push(format!("    /// {}; NaN if it is missing.", channel.unit.as_str()));
         lines.push(format!("    pub {}: f32,", field_of(channel.name.as_str())));
@@ -152,7 +162,7 @@ fn reading(model: &Model<RunTime>, file: &FrontEndFile) -> Vec<String> {
         "impl From<Reading> for bearing_watch::drive::RawSample<FURTHER> {".into(),
         "    #[inline]".into(),
         "    fn from(reading: Reading) -> Self {".into(),
-        format!("        let currents = bearing_watch::drive::PhaseCounts::{kind}(reading.phases);"),
+        format!("        let currents = bearing_watch::drive::PhaseCounts::{currents};"),
         format!("        let position = reading.{field}.{made};"),
         format!("        Self {{ number: reading.number, currents, position, further: [{further}] }}"),
         "    }".into(),

@@ -15,6 +15,8 @@ pub struct Asked<'a> {
     pub labels_from_names: Option<&'a Path>,
     /// The drive file; by default in the folder of the first trace, or here if that cannot be written.
     pub out: Option<&'a Path>,
-    /// Whether it may be replaced.
+    /// The file of the front end that is written, if the recordings are counts at the control rate.
+    pub front_end: Option<&'a Path>,
+    /// Whether they may be replaced.
     pub force: bool,
 }

@@ -7,6 +7,8 @@ use super::asked::Asked;
 use super::kinds::{LeftOut, are_alike, kinds, most};
 use super::names::{self, Told};
 use super::proposal::Proposal;
+use super::raw::{self, RawFrontEnd};
+use crate::front_end::OWN;
 use crate::table::Table;
 use crate::{read_labels, reader};
 use model::Error;
@@ -39,6 +41,8 @@ pub(super) struct Found {
     /// How the classes of labels were told that were made.
     pub(super) made: Option<Told>,
     pub(super) proposal: Proposal,
+    /// The front end of recordings at the control rate, if it was asked for.
+    pub(super) front_end: Option<RawFrontEnd>,
 }
 
 impl Found {
@@ -68,9 +72,23 @@ impl Found {
             other => (other?, None),
         };
         let first = series.first();
-        let proposal = Proposal::of(&first.map_or_else(|| names.clone(), |one| signals(&names, &one.columns)));
         let rows = first.map_or(0, |one| one.columns[0].len());
         let rate_hz = first.and_then(|one| Times::of(one.times_s.as_deref()?)).map(|times| times.rate_hz);
+        let rate_hz = rate_hz.or(data.rate_hz);
+        let front_end = match (asked.front_end, first) {
+            (Some(_), Some(one)) => {
+                let problem = |problem: String| Error::content(&own.files[0], "front end", problem);
+                Some(raw::front_end(&names, &one.columns, rate_hz).map_err(problem)?)
+            }
+            _ => None,
+        };
+        let factor = front_end.as_ref().map_or(1, |front_end| front_end.file.factor);
+        let (rows, rate_hz) = (rows / factor, rate_hz.map(|rate_hz| rate_hz / factor as f64));
+        let channels = match &front_end {
+            Some(front_end) => channels_behind(front_end, &names),
+            None => first.map_or_else(|| names.clone(), |one| signals(&names, &one.columns)),
+        };
+        let proposal = Proposal::of(&channels);
         let is_constant = first.is_some_and(|one| proposal.is_constant(&names, &one.columns));
         let beside = Some(folder.join("labels.csv")).filter(|file| file.is_file());
         let given = asked.labels.map(Path::to_path_buf).or(beside.filter(|_| asked.labels_from_names.is_none()));
@@ -103,8 +121,16 @@ impl Found {
             labels,
             made,
             proposal,
+            front_end,
         })
     }
+}
+
+/// The channels behind a front end: its own, and the columns that it does not read.
+fn channels_behind(front_end: &RawFrontEnd, names: &[String]) -> Vec<String> {
+    let read = front_end.file.columns();
+    let further = names.iter().filter(|name| !read.contains(&name.as_str())).cloned();
+    OWN.iter().map(ToString::to_string).chain(further).collect()
 }
 
 /// The columns that are signals: those that stand, or count, all the time are none. If none is left, all are.

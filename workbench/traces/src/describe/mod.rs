@@ -10,6 +10,7 @@ pub(crate) mod guess;
 mod kinds;
 mod names;
 mod proposal;
+mod raw;
 mod trial;
 mod values;
 
@@ -59,12 +60,19 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         Path::to_path_buf,
     );
     let files = files_of(traces)?;
-    outputs::plan(&[&out], &files)?;
-    if out.exists() && !asked.force {
-        return Err(Error::Usage(format!("{} exists; give another name with --out, or --force", out.display())));
+    // A relative file is beside the drive file, as the drive file names it.
+    let front_end = asked.front_end.map(|file| outputs::folder_of(&out).join(file));
+    let written: Vec<&Path> = [Some(out.as_path()), front_end.as_deref()].into_iter().flatten().collect();
+    outputs::plan(&written, &files)?;
+    if let Some(file) = written.iter().find(|file| file.exists() && !asked.force) {
+        return Err(Error::Usage(format!("{} exists; give another name, or --force", file.display())));
     }
     let found = Found::look(asked, &files, (&folder, &out), log)?;
-    let mut values = Values::of(&found, &out, asked.data);
+    if let (Some(file), Some(raw)) = (&front_end, &found.front_end) {
+        outputs::write(file, raw.text.clone())?;
+        log.warn(raw.said.iter().map(|said| format!("{}: {said}", file.display())));
+    }
+    let mut values = Values::of(&found, &out, (asked.data, front_end.as_deref()));
     let outcome = trial::tried(&found, &mut values, (&out, &|values| text(&found, values, None)));
     let note = match &outcome {
         Outcome::Accepted(note) => note.clone(),

@@ -28,9 +28,12 @@ pub(super) struct Values {
 }
 
 impl Values {
-    pub(super) fn of(found: &Found, out: &Path, data: &Data) -> Self {
+    pub(super) fn of(found: &Found, out: &Path, (data, front_end): (&Data, Option<&Path>)) -> Self {
         let mut own = Self::default();
         own.data(found, out, data);
+        if let Some(file) = front_end {
+            own.values.insert("front_end", text(&from_here(out, file).to_string_lossy()));
+        }
         let features = own.channels(found);
         own.classes(found, features);
         own

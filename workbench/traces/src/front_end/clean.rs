@@ -88,7 +88,7 @@ pub(super) fn is_sampled(file: &FrontEndFile, recorded: &[&[f64]], times_s: Opti
 
 /// A recorded row as the drive reads it.
 #[expect(clippy::cast_possible_truncation, reason = "signals are single")]
-pub(super) fn raw_sample(
+pub(crate) fn raw_sample(
     file: &FrontEndFile,
     recorded: &[&[f64]],
     further: &[&[f64]],
@@ -116,10 +116,13 @@ fn number(file: &FrontEndFile, times_s: Option<&[f64]>, row: usize) -> u32 {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates, as a converter does")]
 fn currents(file: &FrontEndFile, recorded: &[&[f64]], row: usize) -> PhaseCounts {
     let constants = &file.currents;
+    if constants.quantity == Quantity::Quadrature {
+        return PhaseCounts::Quadrature(recorded[0][row] as f32);
+    }
     let counts = |phase: usize| {
         let value = recorded[phase][row];
         let counts = match constants.quantity {
-            Quantity::Counts => value,
+            Quantity::Counts | Quantity::Quadrature => value,
             Quantity::Amperes => f64::from(constants.offset_counts[phase]) + value / f64::from(constants.gain_a[phase]),
         };
         counts.round() as u16

@@ -6,5 +6,7 @@ mod rows;
 mod tests;
 
 pub use clean::FURTHER;
+#[cfg(test)]
+pub(crate) use clean::raw_sample;
 pub(crate) use clean::{OWN, clean};
 pub use rows::raw_rows;

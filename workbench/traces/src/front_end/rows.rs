@@ -3,7 +3,7 @@
 //! ```text
 //! file    "BWR1", number F of further channels (u32), rows
 //! row     number (u32); counts of phases a, b, c (u16 each); flags (u16); angle (u32, 2⁻³² turn); F channels (f32)
-//! flags   1: no angle; 2: no sensor of phase c
+//! flags   1: no angle; 2: no sensor of phase c; 4: a and b are the lower and upper half of a quadrature current (f32)
 //! ```
 //!
 //! All numbers are little-endian.
@@ -53,6 +53,10 @@ fn put<const F: usize>(bytes: &mut Vec<u8>, raw: &RawSample<F>, further: usize) 
     let (counts, two) = match raw.currents {
         PhaseCounts::Three(counts) => (counts, 0_u16),
         PhaseCounts::Two([a, b]) => ([a, b, 0], 2),
+        PhaseCounts::Quadrature(current_a) => {
+            let [a, b, c, d] = current_a.to_le_bytes();
+            ([u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]), 0], 4)
+        }
     };
     let (angle, missing) = match raw.position {
         Position::Absolute(angle) => (angle.bits(), 0),

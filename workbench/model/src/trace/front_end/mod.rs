@@ -8,7 +8,7 @@
 //!
 //! [currents]
 //! columns = ["phase_a_a", "phase_b_a", "phase_c_a"]    # a, b and c; of two, `phases` says which
-//! quantity = "amperes"                                 # or "counts"
+//! quantity = "amperes"                                 # or "counts"; or "quadrature", of the drive's own control
 //! offset_counts = [2048.0, 2048.0, 2048.0]
 //! gain_a = [0.02, 0.02, 0.02]                          # amperes a count
 //! usable_counts = [16, 4079]
@@ -68,8 +68,9 @@ pub struct FrontEndFile {
     pub factor: usize,
     /// The current sensors.
     pub currents: Currents,
-    /// What the sum of three currents must be.
-    pub balance: Balance,
+    /// What the sum of three currents must be; not for a quadrature current.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub balance: Option<Balance>,
     /// The position sensor.
     pub position: Columns,
     /// The loop that follows the angle.
@@ -91,11 +92,14 @@ pub struct Currents {
     #[serde(default)]
     pub quantity: Quantity,
     /// Counts at no current, of each column.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub offset_counts: Vec<f32>,
     /// Amperes a count, of each column.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gain_a: Vec<f32>,
     /// Lowest and highest usable count.
-    pub usable_counts: [u16; 2],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub usable_counts: Option<[u16; 2]>,
     /// Equal counts in a row that mean a stuck converter; 0 for no limit.
     #[serde(default)]
     pub stuck_samples: u16,
@@ -148,6 +152,8 @@ pub enum Quantity {
     Counts,
     /// Amperes.
     Amperes,
+    /// One column, the quadrature current in A that the control of the drive makes itself.
+    Quadrature,
 }
 
 /// [`BalanceLimits`].
@@ -318,10 +324,17 @@ impl FrontEndFile {
     }
 
     fn check(&self) -> Result<(), String> {
-        let Currents { columns, offset_counts, gain_a, .. } = &self.currents;
+        let Currents { columns, offset_counts, gain_a, usable_counts, quantity, .. } = &self.currents;
         let phases = columns.len();
-        if !(2..=3).contains(&phases) || offset_counts.len() != phases || gain_a.len() != phases {
+        if *quantity == Quantity::Quadrature {
+            let other = [offset_counts, gain_a].iter().any(|list| !list.is_empty()) || usable_counts.is_some();
+            if phases != 1 || other || self.balance.is_some() {
+                return Err("a quadrature current is one column, without counts, gains and [balance]".into());
+            }
+        } else if !(2..=3).contains(&phases) || offset_counts.len() != phases || gain_a.len() != phases {
             return Err("[currents] has two or three columns, and as many offset_counts and gain_a".into());
+        } else if usable_counts.is_none() || self.balance.is_none() {
+            return Err("currents of phases need usable_counts, and the section [balance]".into());
         }
         if !FACTORS.contains(&self.factor) {
             let factors: Vec<String> = FACTORS.iter().map(ToString::to_string).collect();
@@ -359,11 +372,15 @@ impl FrontEndFile {
     /// The constants of the core's front end.
     #[must_use]
     pub fn constants(&self) -> FrontEndConstants {
-        let Currents { offset_counts, gain_a, usable_counts: usable, stuck_samples, .. } = &self.currents;
-        let phase = |k: usize| PhaseSensor { offset_counts: offset_counts[k], gain_a: gain_a[k], usable: *usable };
-        // With two sensors the third is not used.
-        let third = if offset_counts.len() == 3 { phase(2) } else { phase(1) };
-        let Balance { noise_a, gain_tolerance, window } = self.balance;
+        let Currents { offset_counts, gain_a, usable_counts, stuck_samples, .. } = &self.currents;
+        let usable = usable_counts.unwrap_or([0, u16::MAX]);
+        // Of two sensors the third is not used, and of a quadrature current none.
+        let phase = |k: usize| {
+            let of = |list: &[f32]| list.get(k).or(list.last()).copied().unwrap_or(1.0);
+            PhaseSensor { offset_counts: of(offset_counts), gain_a: of(gain_a), usable }
+        };
+        let unused = Balance { noise_a: 1.0, gain_tolerance: 0.02, window: 400 };
+        let Balance { noise_a, gain_tolerance, window } = self.balance.unwrap_or(unused);
         let Tracking { bandwidth_hz, damping, error_limit_rad, lost_samples, settle_samples } = self.tracking;
         let resolver = match self.position {
             Columns::Resolver { amplitude: [low, high], mismatch, .. } => ResolverLimits { low, high, mismatch },
@@ -371,7 +388,7 @@ impl FrontEndFile {
         };
         FrontEndConstants {
             control_rate_hz: self.control_rate_hz,
-            sensors: [phase(0), phase(1), third],
+            sensors: [phase(0), phase(1), phase(2)],
             stuck_samples: *stuck_samples,
             balance: BalanceLimits { noise_a, gain_tolerance, window },
             tracking: TrackingConstants {

@@ -1,0 +1,168 @@
+//! What the columns of the currents tell of sensors and converter.
+
+use std::collections::BTreeSet;
+
+use super::position::are_counts;
+
+/// Samples of a converter that count as stuck are so many times the longest repetition of the recording, and at least
+/// so many.
+const REPETITIONS: usize = 20;
+const LEAST_STUCK: usize = 200;
+/// Time of a window of the balance of the currents, s.
+const WINDOW_S: f64 = 0.04;
+/// Bits of a converter that currents in amperes are rounded by, if the recording has no steps.
+const BITS: u32 = 16;
+
+/// The currents.
+#[derive(Debug)]
+pub(super) struct Phases {
+    /// Amperes, or counts less the offset if the amperes of a count are not known.
+    pub(super) amperes: Vec<Vec<f64>>,
+    are_counts: bool,
+    offsets: Vec<f64>,
+    gain_a: f64,
+    bits: u32,
+    noise: f64,
+    window: usize,
+    stuck: usize,
+    /// Whether amperes have no steps: the converter is not that of the drive.
+    is_smooth: bool,
+}
+
+impl Phases {
+    /// Of two or three columns.
+    pub(super) fn of(columns: &[&[f64]], rate_hz: f64) -> Self {
+        let are_counts = columns.iter().all(|column| are_counts(column));
+        let means: Vec<f64> = columns.iter().map(|column| mean(column)).collect();
+        let largest = columns.iter().flat_map(|column| column.iter()).filter(|value| value.is_finite());
+        let largest = largest.fold(0.0_f64, |most, value| most.max(value.abs()));
+        let step = columns.iter().filter_map(|column| step(column)).fold(f64::INFINITY, f64::min);
+        let is_smooth = !are_counts && (!step.is_finite() || largest / step > f64::from(1_u32 << (BITS - 1)));
+        let (offsets, gain_a, bits) = if are_counts {
+            // A converter of counts with a sign has its zero in the middle.
+            (means.clone(), 1.0, bits_of(largest))
+        } else if is_smooth {
+            // A third more than the largest current of the recording.
+            let half = f64::from(1_u32 << (BITS - 1));
+            (vec![half; columns.len()], 1.3 * largest / half, BITS)
+        } else {
+            let bits = bits_of(2.6 * largest / step).clamp(8, BITS);
+            (vec![f64::from(1_u32 << (bits - 1)); columns.len()], step, bits)
+        };
+        let own = |(column, offset): (&&[f64], &f64)| -> Vec<f64> {
+            column.iter().map(|value| if are_counts { value - offset } else { *value }).collect()
+        };
+        let amperes: Vec<Vec<f64>> = columns.iter().zip(&offsets).map(own).collect();
+        let noise = noise(&amperes).max(2.0 * gain_a);
+        let longest = columns.iter().map(|column| longest_repetition(column)).max().unwrap_or(0);
+        let stuck = (REPETITIONS * longest).max(LEAST_STUCK);
+        Self {
+            amperes,
+            are_counts,
+            offsets,
+            gain_a,
+            bits,
+            noise,
+            window: ((WINDOW_S * rate_hz).round() as usize).clamp(50, 4000),
+            stuck: if stuck > usize::from(u16::MAX) / 2 { 0 } else { stuck },
+            is_smooth,
+        }
+    }
+
+    /// Moves the offsets by so much, in amperes as above; those of recorded amperes stay.
+    pub(super) fn shift(&mut self, by: &[f64]) {
+        if !self.are_counts {
+            return;
+        }
+        for ((own, offset), by) in self.amperes.iter_mut().zip(&mut self.offsets).zip(by) {
+            *offset += by;
+            own.iter_mut().for_each(|value| *value -= by);
+        }
+        self.noise = noise(&self.amperes).max(2.0 * self.gain_a);
+    }
+
+    /// The section of the file, and the one of the balance.
+    pub(super) fn lines(&self, names: &[String], first: usize) -> Vec<String> {
+        let list = |value: &dyn Fn(usize) -> String| (0..names.len()).map(value).collect::<Vec<_>>().join(", ");
+        let highest = (1_u64 << self.bits) - 17;
+        let unknown = if self.are_counts { "  # set: amperes a count, by the data sheet; one here" } else { "" };
+        let mut lines = vec![format!("columns = [{}]", names.join(", "))];
+        if names.len() == 2 {
+            lines.push(format!("phases = \"{}\"", ["ab", "bc", "ca"][first]));
+        }
+        lines.extend([
+            format!("quantity = \"{}\"", if self.are_counts { "counts" } else { "amperes" }),
+            format!("offset_counts = [{}]", list(&|k| format!("{:.2}", self.offsets[k]))),
+            format!("gain_a = [{}]{unknown}", list(&|_| format!("{:.6e}", self.gain_a))),
+            format!("usable_counts = [16, {}]  # of {} bits", highest.min(65_519), self.bits),
+            format!("stuck_samples = {}  # no converter of the recording repeats itself so long", self.stuck),
+            "\n[balance]".into(),
+            format!("noise_a = {:.4}  # of the sum of the currents", self.noise),
+            "gain_tolerance = 0.02".into(),
+            format!("window = {}", self.window),
+        ]);
+        lines
+    }
+
+    /// What is not known.
+    pub(super) fn said(&self) -> Vec<String> {
+        let mut said = Vec::new();
+        if self.are_counts {
+            said.push("the amperes of a count are not in the recording: gain_a is 1 until you set it".into());
+        }
+        if self.is_smooth {
+            said.push(format!("the currents have no steps of a converter: one of {BITS} bits is assumed"));
+        }
+        said
+    }
+}
+
+pub(super) fn mean(column: &[f64]) -> f64 {
+    let (sum, count) = known(column).fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+    sum / count.max(1) as f64
+}
+
+fn known(column: &[f64]) -> impl Iterator<Item = f64> {
+    column.iter().copied().filter(|value| value.is_finite())
+}
+
+/// Bits of a converter that reaches so many counts.
+fn bits_of(counts: f64) -> u32 {
+    (counts.max(1.0) + 1.0).log2().ceil() as u32
+}
+
+/// The step of which all values are multiples, within the digits of a text.
+fn step(column: &[f64]) -> Option<f64> {
+    let values: BTreeSet<i64> = known(column).take(20_000).map(|value| (value * 1e9).round() as i64).collect();
+    let values: Vec<i64> = values.into_iter().collect();
+    let least = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 1000).min()? as f64;
+    let off = |gap: f64| (gap / least - (gap / least).round()).abs() * least;
+    // Rounded digits leave a part of a step.
+    let fits = values.windows(2).filter(|pair| off((pair[1] - pair[0]) as f64) < 0.05 * least + 1000.0).count();
+    (fits * 10 > values.len() * 9).then_some(1e-9 * least)
+}
+
+/// Three deviations of the sum of three currents; of two, of what one sample differs from the line of its neighbours.
+fn noise(amperes: &[Vec<f64>]) -> f64 {
+    let rms =
+        |values: &[f64]| (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt();
+    if let [a, b, c] = amperes {
+        let sums: Vec<f64> =
+            a.iter().zip(b).zip(c).map(|((a, b), c)| a + b + c).filter(|sum| sum.is_finite()).collect();
+        return 3.0 * rms(&sums);
+    }
+    let bends: Vec<f64> =
+        amperes.iter().flat_map(|own| own.windows(3)).map(|own| own[0] - 2.0 * own[1] + own[2]).collect();
+    let bends: Vec<f64> = bends.into_iter().filter(|bend| bend.is_finite()).collect();
+    // The bend of white noise has the variance 6 σ², and the sum of three that of 3 σ².
+    3.0 * rms(&bends) / 2.0_f64.sqrt()
+}
+
+fn longest_repetition(column: &[f64]) -> usize {
+    let (mut longest, mut length) = (0, 0);
+    for pair in column.windows(2) {
+        length = if pair[0] == pair[1] { length + 1 } else { 0 };
+        longest = longest.max(length);
+    }
+    longest
+}
