@@ -15,15 +15,11 @@
 #include "fw/motor_position.h"
 #include "mbed.h"
 #endif
-#include "model.h"
+#include "bearing.h"
 
 #include <cmath>
 
-void bearing_alarm(const char *name);
-void bearing_error(const char *text);
-
 static BwDrive drive;
-static volatile uint32_t clean_samples;
 
 static void collect() { bw_drive_collect(&drive); }
 
@@ -60,26 +56,12 @@ void bearing_control_interrupt(const moteus::BldcServoStatus &status, const mote
     now.current_a = controlled ? status.q_A : NAN;
     now.position_missing = source.nonce == last_nonce; /* no new value: a repeated one would be a wrong angle */
     last_nonce = source.nonce;
-    /* 24 bits of the turn, of the rotor, before the firmware's own filter. */
-    now.position = static_cast<uint32_t>(static_cast<int32_t>(sign * turns * 16777216.0f)) << 8;
+    now.position = bearing_angle(sign * turns); /* of the rotor, before the firmware's own filter */
     now.velocity_ref_rad_s =
         status.control_velocity ? 6.2831853f * *status.control_velocity / config.rotor_to_output_ratio : NAN;
     if (bw_drive_sample(&drive, &now) == BW_CODE_CLEAN_SAMPLE) {
-        clean_samples = clean_samples + 1;
         NVIC_SetPendingIRQ(FMAC_IRQn);
     }
 }
 
-void bearing_main_loop(uint32_t milliseconds) {
-    static bool told = false;
-    BwReport report;
-    BwAlarm alarm;
-    char label[17];
-    bw_check_rate(drive.detector, clean_samples, milliseconds);
-    if (bw_drive_advance(&drive, &report, &alarm) != BW_CODE_REPORT) { return; }
-    if (alarm.raised && !told) {
-        const bool named = alarm.known && bw_label(drive.detector, alarm.class_index, label, sizeof label) >= 0;
-        bearing_alarm(named ? label : "unknown");
-    }
-    told = alarm.raised; /* latched until bw_reset */
-}
+void bearing_main_loop(uint32_t milliseconds) { bearing_advance(&drive, milliseconds); }

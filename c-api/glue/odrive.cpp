@@ -11,15 +11,11 @@
 #else
 #include "odrive_main.h"
 #endif
-#include "model.h"
+#include "bearing.h"
 
 #include <cmath>
 
-void bearing_alarm(const char *name);
-void bearing_error(const char *text);
-
 static BwDrive drive;
-static volatile uint32_t clean_samples;
 
 void bearing_start() {
     const BwCode code = bw_drive_start(&drive, &bw_front_end);
@@ -49,34 +45,20 @@ void bearing_control_loop() {
     const float direction = static_cast<float>(encoder.config_.direction);
     now.current_a = controlled ? direction * motor.current_control_.Iq_measured_ : NAN;
     now.position_missing = encoder.error_ != Encoder::ERROR_NONE;
-    /* `counts_per_turn` of front_end.toml is encoder.config.cpr. */
+    /* `counts_per_turn` of front_end.toml is config_.cpr. With the recordings of `bearing-watch listen` it is
+     * `bits = 32`, and this is bw_angle_from_cpr(encoder.count_in_cpr_, encoder.config_.cpr). */
     now.position = encoder.count_in_cpr_;
     now.velocity_ref_rad_s = 6.2831853f * axis.controller_.vel_setpoint_; /* from turns a second */
     if (bw_drive_sample(&drive, &now) == BW_CODE_CLEAN_SAMPLE) {
-        clean_samples = clean_samples + 1;
         NVIC_SetPendingIRQ(OTG_HS_WKUP_IRQn);
     }
 }
 
 extern "C" void OTG_HS_WKUP_IRQHandler(void) { bw_drive_collect(&drive); }
 
-static void bearing_main_loop() {
-    static bool told = false;
-    BwReport report;
-    BwAlarm alarm;
-    char label[17];
-    bw_check_rate(drive.detector, clean_samples, HAL_GetTick()); /* TIM14: not the timer of the control loop */
-    if (bw_drive_advance(&drive, &report, &alarm) != BW_CODE_REPORT) { return; }
-    if (alarm.raised && !told) {
-        const bool named = alarm.known && bw_label(drive.detector, alarm.class_index, label, sizeof label) >= 0;
-        bearing_alarm(named ? label : "unknown");
-    }
-    told = alarm.raised; /* latched until bw_reset */
-}
-
 void bearing_thread(void *) {
     for (;;) {
-        bearing_main_loop();
+        bearing_advance(&drive, HAL_GetTick()); /* by TIM14, not by the timer of the control loop */
         osDelay(1);
     }
 }

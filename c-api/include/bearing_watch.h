@@ -82,6 +82,10 @@
 // exactly is needed.
 #define BW_STATE_SIZE 23552
 
+// Every address and length that the functions of a `BwFlash` get is a multiple of so many bytes: as many as the largest
+// word that a microcontroller programs at once.
+#define BW_FLASH_UNIT 32
+
 // Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
 // `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.
 #define BW_FRONT_END_SIZE 3072
@@ -221,6 +225,16 @@ enum BwCode
   BW_CODE_SIGNATURE_MISMATCH = -65,
   // The model is older than accepted.
   BW_CODE_SIGNATURE_OLDER = -66,
+  // A function of the flash has failed; the record before is still there.
+  BW_CODE_FLASH_FAILED = -70,
+  // The places are not multiples of `BW_FLASH_UNIT`, or have no room for a record.
+  BW_CODE_FLASH_PLACES = -71,
+  // The record is longer than its place.
+  BW_CODE_FLASH_TOO_SMALL = -72,
+  // The flash reads back other bytes than were written: it is worn, or was not erased.
+  BW_CODE_FLASH_NOT_WRITTEN = -73,
+  // Neither place has a good record.
+  BW_CODE_FLASH_NO_RECORD = -74,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -681,6 +695,23 @@ typedef struct BwGrowth {
   float run_hours;
 } BwGrowth;
 
+// Two places in flash for records of one kind, and the functions that reach them. Models and states need places of
+// their own. Each function returns 0 if it did what it says.
+typedef struct BwFlash {
+  // Passed to the functions.
+  void *context;
+  // Reads `length` bytes. On a flash that checks its words, an error of a word is an error of this call.
+  int32_t (*read)(void *context, uint32_t address, uint8_t *bytes, size_t length);
+  // Programs `length` bytes of erased flash.
+  int32_t (*write)(void *context, uint32_t address, const uint8_t *bytes, size_t length);
+  // Erases every sector that has a byte from `address` on to before `end`.
+  int32_t (*erase)(void *context, uint32_t address, uint32_t end);
+  // The address of the first place, at the start of a sector.
+  uint32_t start;
+  // Bytes from the first place to the second one: whole sectors.
+  uint32_t place_bytes;
+} BwFlash;
+
 // One current sensor with its converter.
 typedef struct BwPhaseSensor {
   // Counts at no current; `bw_calibration_finish` measures them.
@@ -742,7 +773,7 @@ typedef struct BwRawSample {
   // Converter counts of the currents of phases a, b, c; c is not used with two phases.
   uint16_t counts[3];
   // Number of measured phases, 2 or 3. With two, the third current is minus the sum, and nothing checks the sensors
-  // against each other.
+  // against each other. 1 stands for `current_a` in the place of counts.
   uint8_t phases;
   // What there is of the position, `BW_POSITION_…`.
   uint8_t position;
@@ -752,6 +783,8 @@ typedef struct BwRawSample {
   float sin;
   // Amplitude times cosine.
   float cos;
+  // With `phases` of 1, the quadrature current that the control of the drive makes itself, A; NaN if it is missing.
+  float current_a;
 } BwRawSample;
 
 // All signals at one instant, some raw samples ago.
@@ -1202,6 +1235,55 @@ BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `length` readable
 // bytes.
 BwCode bw_restore(struct BwState *state, const uint8_t *bytes, size_t length);
+
+// Erases ahead of the next `bw_flash_save`, which then only writes: at boot or at rest, since a chip that runs from the
+// bank that it erases stands still meanwhile, up to seconds for a large sector.
+//
+// Returns `BW_CODE_OK`, or `BW_CODE_FLASH_…`.
+//
+// # Safety
+// `flash` is NULL or readable, and its functions keep what `BwFlash` says.
+BwCode bw_flash_prepare(const struct BwFlash *flash);
+
+// Saves alarm, scores and trend in flash, as `bw_save` does; if power fails on the way, the record before is still
+// there. `buffer` has room for `bw_saved_size` bytes.
+//
+// Returns `BW_CODE_OK`, what `bw_save` returns, or `BW_CODE_FLASH_…`.
+//
+// # Safety
+// `flash` is NULL or readable, and its functions keep what `BwFlash` says. `state` is as for `bw_save`. `buffer` is NULL
+// or has `size` writable bytes.
+BwCode bw_flash_save(const struct BwFlash *flash,
+                     struct BwState *state,
+                     uint8_t *buffer,
+                     size_t size);
+
+// Continues from the newest good record of this model in flash, as `bw_restore` does, and from the one before if the
+// newest is damaged or of another model. `buffer` has room for `bw_saved_size` bytes.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_FLASH_NO_RECORD` if there is none, what `bw_restore` returns of the newest record, or
+// `BW_CODE_FLASH_…`.
+//
+// # Safety
+// As for `bw_flash_save`.
+BwCode bw_flash_restore(const struct BwFlash *flash, struct BwState *state, uint8_t *buffer, size_t size);
+
+// Stores the bytes of a model, with what follows it such as a signature, in the place of the older one.
+//
+// Returns `BW_CODE_OK`, or `BW_CODE_FLASH_…`.
+//
+// # Safety
+// `flash` is NULL or readable, and its functions keep what `BwFlash` says. `model` is NULL or has `length` readable
+// bytes.
+BwCode bw_flash_store_model(const struct BwFlash *flash, const uint8_t *model, size_t length);
+
+// Reads the newest good model of a flash into `buffer`, for `bw_init`, and gives the number of its bytes.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_FLASH_NO_RECORD`, `BW_CODE_BUFFER_TOO_SMALL`, or another `BW_CODE_FLASH_…`.
+//
+// # Safety
+// As for `bw_flash_store_model`, with `size` writable bytes at `buffer`. `length` is NULL or writable.
+BwCode bw_flash_load_model(const struct BwFlash *flash, uint8_t *buffer, size_t size, size_t *length);
 
 // Returns the number of bytes of memory that `bw_front_end_init` needs: with a plan of its own a library needs less.
 size_t bw_front_end_size(void);

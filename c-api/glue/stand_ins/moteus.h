@@ -1,6 +1,6 @@
 /* What moteus.cpp uses of the moteus firmware, with the names and types of firmware/v1.0.0. It stands for
- * fw/bldc_servo_structs.h, fw/motor_position.h and mbed.h, so that the file compiles without the firmware; it is no part
- * of a drive. */
+ * fw/bldc_servo_structs.h, fw/motor_position.h and mbed.h, so that the file compiles without the firmware; it is no
+ * part of a drive. */
 #ifndef STAND_IN_MOTEUS_H
 #define STAND_IN_MOTEUS_H
 

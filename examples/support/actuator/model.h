@@ -207,6 +207,7 @@ typedef struct BwDrive {
     uint64_t front_end_memory[BW_MODEL_FRONT_END_SIZE / 8];
     BwFrontEnd *front_end;
     BwState *detector; /* for all other functions of bearing_watch.h */
+    volatile uint32_t samples; /* that the detector was given */
 } BwDrive;
 /* At boot, before the interrupts run; with &bw_front_end, or a copy that is calibrated for this drive. */
 static inline BwCode bw_drive_start(BwDrive *drive, const BwFrontEndConstants *constants) {
@@ -229,6 +230,7 @@ static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
     BwCode code, put;
     raw.number = reading->number;
     raw.phases = 3;
+    raw.current_a = 0.0f;
     raw.counts[0] = reading->phases[0];
     raw.counts[1] = reading->phases[1];
     raw.counts[2] = reading->phases[2];
@@ -240,10 +242,16 @@ static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
     if (code != BW_CODE_CLEAN_SAMPLE) { return code; }
     bw_front_end_values(&clean, values);
     put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, clean.angle, clean.found_late != 0);
+    drive->samples = drive->samples + 1u;
     return put < 0 ? put : code;
 }
 /* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
+/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by a
+ * clock that the timer of the samples does not make. */
+static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
+    return bw_check_rate(drive->detector, drive->samples, milliseconds);
+}
 /* In the main loop, one bounded step: BW_CODE_REPORT if report and alarm were written. */
 static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm *alarm) {
     BwCode code = bw_advance(drive->detector);

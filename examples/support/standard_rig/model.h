@@ -85,7 +85,7 @@ static const uint8_t bw_model[BW_MODEL_LENGTH] = {
 
 /* What the drive reads at one instant. */
 typedef struct BwReading {
-    float current_a; /* A; NAN if it is missing */
+    float current_a_2; /* A; NAN if it is missing */
     float velocity_ref_rad_s; /* rad/s; NAN if it is missing */
     float load_torque_nm; /* N m; NAN if it is missing */
 } BwReading;
@@ -103,6 +103,7 @@ typedef struct BwReading {
 typedef struct BwDrive {
     uint64_t detector_memory[BW_MODEL_STATE_SIZE / 8];
     BwState *detector; /* for all other functions of bearing_watch.h */
+    volatile uint32_t samples; /* that the detector was given */
 } BwDrive;
 /* At boot, before the interrupts run. */
 static inline BwCode bw_drive_start(BwDrive *drive) {
@@ -114,11 +115,17 @@ static inline BwCode bw_drive_start(BwDrive *drive) {
 }
 /* In the sampling interrupt, at the rate of the model; then request the interrupt of bw_drive_collect. */
 static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
-    const float values[BW_MODEL_CHANNELS] = { reading->current_a, reading->velocity_ref_rad_s, reading->load_torque_nm };
+    const float values[BW_MODEL_CHANNELS] = { reading->current_a_2, reading->velocity_ref_rad_s, reading->load_torque_nm };
+    drive->samples = drive->samples + 1u;
     return bw_put(drive->detector, values, BW_MODEL_CHANNELS, 0u, false);
 }
 /* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
+/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by a
+ * clock that the timer of the samples does not make. */
+static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
+    return bw_check_rate(drive->detector, drive->samples, milliseconds);
+}
 /* In the main loop, one bounded step: BW_CODE_REPORT if report and alarm were written. */
 static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm *alarm) {
     BwCode code = bw_advance(drive->detector);

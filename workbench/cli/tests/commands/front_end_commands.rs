@@ -85,3 +85,37 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
     refuse(dir, &format!("{difference} --model o.bwm --c o.h"), &["--c", "a difference of columns"]);
     refuse(dir, &format!("{train} --front-end missing.toml --model o.bwm"), &["--front-end"]);
 }
+
+/// `init --front-end` needs no figure from the user, and what it writes trains and exports.
+#[test]
+fn recordings_of_raw_signals_tell_their_front_end() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let simulate = "simulate --rig ema --condition rit-mix --class healthy,spall --log-every 1";
+    succeed(dir, &format!("{simulate} --count 8 --seed 3 --out t"));
+    refuse(dir, "init --front-end t", &["front_end.toml exists", "--force"]);
+    succeed(dir, "init --front-end --force t");
+    let file = text(&dir.join("t/front_end.toml"));
+    for words in [
+        "control_rate_hz = 10000.000",
+        "columns = [\"phase_a_a\", \"phase_b_a\", \"phase_c_a\"]",
+        "counts = \"resolver_counts\"",
+        "bits = 14",
+        "pole_pairs = 6 ",
+    ] {
+        assert!(file.contains(words), "{words} in {file}");
+    }
+    // Of the rig it is 0; a degree of it costs 2·10⁻⁴ of the current.
+    let offset = file.lines().find_map(|line| line.strip_prefix("electrical_offset_rad = ")?.parse::<f64>().ok());
+    assert!(offset.is_some_and(|offset| offset.abs() < 0.02), "{file}");
+    assert!(text(&dir.join("t/drive.toml")).contains("front_end = \"front_end.toml\""));
+    succeed(dir, "train t/drive.toml --orders inner=5.28206 --model m.bwm --rust m.rs --c m.h");
+    assert!(text(&dir.join("m.rs")).contains("pub static WATCH: Drive, DriveFrontEnd;"));
+    assert!(text(&dir.join("m.h")).contains("bw_drive_sample(BwDrive *drive, const BwReading *reading)"));
+    let judged = succeed(dir, "evaluate t/drive.toml --model m.bwm --json");
+    assert!(judged.contains("\"error_rate\""), "{judged}");
+    // Clean signals are no raw ones.
+    succeed(dir, "simulate --rig ema --condition rit-mix --class healthy --count 1 --seed 3 --out c");
+    std::fs::write(dir.join("c/clean.csv"), "t_s,current_a,angle_rad\n0,1,2\n0.1,2,3\n0.2,3,4\n").expect("writable");
+    refuse(dir, "init --front-end --force c/clean.csv", &["no columns of two or three phase currents"]);
+}

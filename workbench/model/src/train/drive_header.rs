@@ -87,7 +87,8 @@ fn memory(out: &mut String, front_end: bool) {
     if front_end {
         *out += "    uint64_t front_end_memory[BW_MODEL_FRONT_END_SIZE / 8];\n    BwFrontEnd *front_end;\n";
     }
-    *out += "    BwState *detector; /* for all other functions of bearing_watch.h */\n} BwDrive;\n";
+    *out += "    BwState *detector; /* for all other functions of bearing_watch.h */\n    \
+        volatile uint32_t samples; /* that the detector was given */\n} BwDrive;\n";
 }
 
 fn start(out: &mut String, front_end: bool) {
@@ -152,6 +153,7 @@ fn raw_sample(out: &mut String, file: &FrontEndFile, names: &[String]) {
         \x20   if (code != BW_CODE_CLEAN_SAMPLE) { return code; }\n\
         \x20   bw_front_end_values(&clean, values);\n\
         \x20   put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, clean.angle, clean.found_late != 0);\n\
+        \x20   drive->samples = drive->samples + 1u;\n\
         \x20   return put < 0 ? put : code;\n}\n";
 }
 
@@ -166,11 +168,17 @@ fn sample(out: &mut String, names: &[String], needs_angle: bool) {
     *out += "/* In the sampling interrupt, at the rate of the model; then request the interrupt of bw_drive_collect. */\n\
         static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {\n";
     line(out, &format!("    const float values[BW_MODEL_CHANNELS] = {{ {} }};", list.join(", ")));
+    line(out, "    drive->samples = drive->samples + 1u;");
     line(out, &format!("    return bw_put(drive->detector, values, BW_MODEL_CHANNELS, {angle}, false);\n}}"));
 }
 
 const BELOW: &str = "/* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
+/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by a
+ * clock that the timer of the samples does not make. */
+static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
+    return bw_check_rate(drive->detector, drive->samples, milliseconds);
+}
 /* In the main loop, one bounded step: BW_CODE_REPORT if report and alarm were written. */
 static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm *alarm) {
     BwCode code = bw_advance(drive->detector);
@@ -182,3 +190,116 @@ static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm 
     return code;
 }
 ";
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::process::Command;
+
+    use bearing_watch::Model;
+    use bearing_watch::plan::RunTime;
+
+    use super::super::c_header::c_header;
+    use crate::trace::{Channels, FrontEndFile, TextForm};
+
+    const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+    /// The header of the committed model behind a front end.
+    fn header(front_end: &str) -> String {
+        let file = std::fs::read(format!("{ROOT}/examples/support/actuator/model.bwm")).expect("the committed model");
+        let model = Model::<RunTime>::from_bytes(&file).expect("a model");
+        let front_end = FrontEndFile::parse(front_end).unwrap_or_else(|(place, problem)| panic!("{place}: {problem}"));
+        let recorded = Channels {
+            further: vec!["velocity_rad_s".into()],
+            text: TextForm::default(),
+            front_end: Some(front_end),
+            ..Channels::new("current_a", "velocity_ref_rad_s", "load_torque_nm")
+        };
+        c_header(&model, (&[], &[]), Some(&recorded)).expect("a header")
+    }
+
+    const TRACKING: &str = "
+[tracking]
+bandwidth_hz = 300.0
+damping = 0.7
+error_limit_rad = 0.1
+lost_samples = 20
+settle_samples = 20
+
+[motor]
+pole_pairs = 7
+park = \"standard\"
+";
+
+    fn quadrature(position: &str) -> String {
+        let currents = "[currents]\nquantity = \"quadrature\"\ncolumns = [\"iq_a\"]\n";
+        format!("control_rate_hz = 10000.0\nfactor = 10\n{currents}[position]\n{position}{TRACKING}")
+    }
+
+    fn phases(position: &str, which: &str) -> String {
+        let lists = "offset_counts = [2048.0, 2048.0]\ngain_a = [0.02, 0.02]\nusable_counts = [16, 4079]\n";
+        let currents = format!("[currents]\ncolumns = [\"b\", \"c\"]\nphases = \"{which}\"\n{lists}");
+        let balance = "[balance]\nnoise_a = 0.5\ngain_tolerance = 0.02\nwindow = 400\n";
+        format!("control_rate_hz = 10000.0\nfactor = 10\n{currents}{balance}[position]\n{position}{TRACKING}")
+    }
+
+    /// Compiles text beside the header in a folder; `false` without a compiler.
+    fn compiles(header: &str, compiler: &str, arguments: &[&str], file: &Path) -> bool {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("model.h"), header).expect("writable");
+        let mut command = Command::new(compiler);
+        command.args(["-fsyntax-only", "-Wall", "-Wextra", "-Werror"]).args(arguments).arg("-I").arg(folder.path());
+        command.arg(format!("-I{ROOT}/c-api/include")).arg(format!("-I{ROOT}/c-api/glue"));
+        let Ok(output) = command.arg(file).output() else {
+            println!("skipped: {compiler} is not installed");
+            return false;
+        };
+        assert!(output.status.success(), "{}\n{}", file.display(), String::from_utf8_lossy(&output.stderr));
+        true
+    }
+
+    #[test]
+    fn each_kind_of_sensors_has_an_object_that_compiles() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("use.c");
+        let text = "#include \"model.h\"\nstatic BwDrive drive;\nint run(void) {\n    static BwReading now;\n    \
+                    BwReport report;\n    BwAlarm alarm;\n    bw_drive_start(&drive, &bw_front_end);\n    \
+                    bw_drive_sample(&drive, &now);\n    bw_drive_collect(&drive);\n    bw_drive_clock(&drive, 5u);\n    \
+                    return bw_drive_advance(&drive, &report, &alarm);\n}\n";
+        std::fs::write(&file, text).expect("writable");
+        let positions = [
+            "counts = \"n\"\nbits = 14\n",
+            "counts = \"n\"\ncounts_per_turn = 8000\nreversed = true\n",
+            "angle_rad = \"angle\"\n",
+            "sin = \"sin\"\ncos = \"cos\"\namplitude = [0.5, 1.5]\nmismatch = 0.1\n",
+        ];
+        for position in positions {
+            for front_end in [quadrature(position), phases(position, "bc"), phases(position, "ca")] {
+                let header = header(&front_end);
+                for (compiler, language) in [("cc", "c"), ("c++", "c++")] {
+                    compiles(&header, compiler, &["-x", language], &file);
+                }
+            }
+        }
+        // The thirds of a turn by which the first phase is behind phase a.
+        let text = header(&phases(positions[0], "bc"));
+        assert!(text.contains("2863311530u, /* electrical_offset_turn32 */"), "{text}");
+    }
+
+    /// The glue for the firmwares of others, against the declarations that stand in for them.
+    #[test]
+    fn the_glue_compiles_for_both_kinds_of_counts() {
+        for position in ["counts = \"n\"\nbits = 32\n", "counts = \"n\"\ncounts_per_turn = 8192\n"] {
+            let header = header(&quadrature(position));
+            for (file, compiler, standard) in [
+                ("odrive.cpp", "c++", "-std=gnu++17"),
+                ("moteus.cpp", "c++", "-std=gnu++17"),
+                ("simplefoc.cpp", "c++", "-std=c++14"),
+                ("vesc.c", "cc", "-std=c99"),
+            ] {
+                let file = format!("{ROOT}/c-api/glue/{file}");
+                compiles(&header, compiler, &[standard, "-DBEARING_WATCH_STAND_IN"], Path::new(&file));
+            }
+        }
+    }
+}

@@ -7,7 +7,7 @@ use super::asked::Asked;
 use super::kinds::{LeftOut, are_alike, kinds, most};
 use super::names::{self, Told};
 use super::proposal::Proposal;
-use super::raw::{self, RawFrontEnd};
+use super::raw::{self, Extremes, RawFrontEnd};
 use crate::front_end::OWN;
 use crate::table::Table;
 use crate::{read_labels, reader};
@@ -15,6 +15,7 @@ use model::Error;
 use model::audit::times::Times;
 use model::outputs;
 use model::session::Log;
+use model::settings::Data;
 use model::trace::TextForm;
 use model::trace::labels::Labels;
 
@@ -78,7 +79,9 @@ impl Found {
         let front_end = match (asked.front_end, first) {
             (Some(_), Some(one)) => {
                 let problem = |problem: String| Error::content(&own.files[0], "front end", problem);
-                Some(raw::front_end(&names, &one.columns, rate_hz).map_err(problem)?)
+                let phases = raw::phase_names(&names, &one.columns).map_err(problem)?;
+                let all = extremes(&own.files, &phases, data);
+                Some(raw::front_end((&names, &one.columns), rate_hz, all).map_err(problem)?)
             }
             _ => None,
         };
@@ -88,7 +91,11 @@ impl Found {
             Some(front_end) => channels_behind(front_end, &names),
             None => first.map_or_else(|| names.clone(), |one| signals(&names, &one.columns)),
         };
-        let proposal = Proposal::of(&channels);
+        let mut proposal = Proposal::of(&channels);
+        if front_end.is_some() && proposal.by_reference && !proposal.alone {
+            // The front end of a drive makes columns, and no difference of them.
+            proposal.u1 = proposal.guess.velocity_ref.clone().or(proposal.u1);
+        }
         let is_constant = first.is_some_and(|one| proposal.is_constant(&names, &one.columns));
         let beside = Some(folder.join("labels.csv")).filter(|file| file.is_file());
         let given = asked.labels.map(Path::to_path_buf).or(beside.filter(|_| asked.labels_from_names.is_none()));
@@ -124,6 +131,19 @@ impl Found {
             front_end,
         })
     }
+}
+
+/// Of some recordings among all, what no other front end must be made for. Files that were read before are read.
+fn extremes(files: &[PathBuf], phases: &[String], data: &Data) -> Extremes {
+    /// Files that are read at most.
+    const MOST: usize = 64;
+    let some = files.iter().step_by(files.len().div_ceil(MOST).max(1));
+    some.fold(Extremes::default(), |all, file| {
+        let table = Table::open_as(file, &data.text_form());
+        let read = table.and_then(|table| reader::series(&table, (Some(reader::NO_TIME), None), phases));
+        let series = read.unwrap_or_default();
+        series.iter().fold(all, |all, one| all.with(&one.columns.iter().map(Vec::as_slice).collect::<Vec<_>>()))
+    })
 }
 
 /// The channels behind a front end: its own, and the columns that it does not read.

@@ -21,6 +21,7 @@ use model::trace::front_end::{FACTORS, FrontEndFile};
 
 use crate::front_end::clean;
 use motor::Motor;
+pub(super) use phases::Extremes;
 use phases::Phases;
 use position::Position;
 use signals::Signals;
@@ -39,16 +40,28 @@ pub(super) struct RawFrontEnd {
     pub(super) said: Vec<String>,
 }
 
-/// Looks at a recording, with its names, columns and rows a second.
+/// The names of the phases.
+///
+/// # Errors
+/// There are none, or no position.
+pub(super) fn phase_names(names: &[String], columns: &[Vec<f64>]) -> Result<Vec<String>, String> {
+    Ok(Signals::of(names, columns)?.phases.into_iter().map(|place| names[place].clone()).collect())
+}
+
+/// Looks at a recording, with its names, columns and rows a second, and at the extremes of all.
 ///
 /// # Errors
 /// What the recording lacks.
-pub(super) fn front_end(names: &[String], columns: &[Vec<f64>], rate_hz: Option<f64>) -> Result<RawFrontEnd, String> {
+pub(super) fn front_end(
+    (names, columns): (&[String], &[Vec<f64>]),
+    rate_hz: Option<f64>,
+    others: Extremes,
+) -> Result<RawFrontEnd, String> {
     let rate_hz = rate_hz.ok_or("a front end needs the control rate: the file has no time; give --rate-hz")?;
     let Signals { phases: mut phase_places, position: position_places, first } = Signals::of(names, columns)?;
     let column = |place: &usize| columns[*place].as_slice();
     let position = Position::of(&position_places.iter().map(column).collect::<Vec<_>>())?;
-    let of_phases = |places: &[usize]| Phases::of(&places.iter().map(column).collect::<Vec<_>>(), rate_hz);
+    let of_phases = |places: &[usize]| Phases::of(&places.iter().map(column).collect::<Vec<_>>(), rate_hz, others);
     let mut phases = of_phases(&phase_places);
     let mut motor = Motor::of(&phases.amperes, &position.angles_rad, rate_hz)?;
     let mut said = Vec::new();

@@ -21,6 +21,9 @@ const MOST: i32 = 32;
 const COHERENT: f64 = 0.6;
 /// Of good signals it is nearly one.
 const SURE: f64 = 0.95;
+/// Time of a block, s, and the correlation of changes from which on it decides the sign.
+const BLOCK_S: f64 = 0.005;
+const SAYS: f64 = 0.2;
 const BETTER: f64 = 0.05;
 /// Samples that are taken at most.
 const SAMPLES: usize = 200_000;
@@ -101,9 +104,10 @@ impl Motor {
         Ok(own)
     }
 
-    /// Of the quadrature current with velocity and acceleration, in blocks; the larger one counts.
+    /// Of the changes of quadrature current and acceleration from block to block, in which a load that follows the
+    /// position or rests is small; where these say little, of current and velocity, by friction.
     fn correlation(&self, amperes: &[Vec<f64>], angles_rad: &[f64], rate_hz: f64) -> f64 {
-        let block = ((0.01 * rate_hz) as usize).max(2);
+        let block = ((BLOCK_S * rate_hz) as usize).max(2);
         let sign = if self.reversed { -1.0 } else { 1.0 };
         let (mut currents, mut velocities) = (Vec::new(), Vec::new());
         for start in (0..angles_rad.len().saturating_sub(block)).step_by(block) {
@@ -116,10 +120,11 @@ impl Motor {
             currents.push(rows.clone().map(quadrature).sum::<f64>() / block as f64);
             velocities.push(rows.map(|row| sign * turned(angles_rad[row], angles_rad[row + 1])).sum::<f64>());
         }
-        let accelerations: Vec<f64> = velocities.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let by_motion = correlation(&currents, &velocities);
-        let by_acceleration = correlation(&currents, &accelerations);
-        if by_acceleration.abs() > by_motion.abs() { by_acceleration } else { by_motion }
+        // The acceleration at a block, from those beside it.
+        let accelerations: Vec<f64> = velocities.windows(3).map(|own| own[2] - own[0]).collect();
+        let changes = |values: &[f64]| values.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
+        let by_acceleration = correlation(&changes(currents.get(1..).unwrap_or_default()), &changes(&accelerations));
+        if by_acceleration.abs() > SAYS { by_acceleration } else { correlation(&currents, &velocities) }
     }
 
     /// What the offsets of the phases are in error: the part of the direct current, which is constant by (1), that turns
@@ -156,7 +161,7 @@ impl Motor {
         let offset_rad = self.offset_rad + first as f64 * TAU / 3.0;
         vec![
             format!("pole_pairs = {}  # coherence {:.2}", self.pole_pairs, self.coherence),
-            format!("electrical_offset_rad = {:.4}", offset_rad.rem_euclid(TAU)),
+            format!("electrical_offset_rad = {:.4}", turned(0.0, offset_rad)),
             "park = \"standard\"".into(),
         ]
     }
@@ -170,7 +175,7 @@ impl Motor {
                 self.coherence
             ));
         }
-        if self.correlation < 0.3 {
+        if self.correlation < SAYS {
             said.push(format!(
                 "the current goes with velocity and acceleration by a correlation of {:.2} only: its sign, half a turn of \
                  electrical_offset_rad, is a guess",

@@ -13,6 +13,25 @@ const WINDOW_S: f64 = 0.04;
 /// Bits of a converter that currents in amperes are rounded by, if the recording has no steps.
 const BITS: u32 = 16;
 
+/// What the currents of all recordings have in common, by each of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::describe) struct Extremes {
+    largest: f64,
+    longest: usize,
+}
+
+impl Extremes {
+    /// With those of a recording.
+    pub(in crate::describe) fn with(self, columns: &[&[f64]]) -> Self {
+        let values = columns.iter().flat_map(|column| known(column));
+        let longest = columns.iter().map(|column| longest_repetition(column)).max().unwrap_or(0);
+        Self {
+            largest: values.fold(self.largest, |most, value| most.max(value.abs())),
+            longest: longest.max(self.longest),
+        }
+    }
+}
+
 /// The currents.
 #[derive(Debug)]
 pub(super) struct Phases {
@@ -31,22 +50,21 @@ pub(super) struct Phases {
 
 impl Phases {
     /// Of two or three columns.
-    pub(super) fn of(columns: &[&[f64]], rate_hz: f64) -> Self {
+    pub(super) fn of(columns: &[&[f64]], rate_hz: f64, others: Extremes) -> Self {
         let are_counts = columns.iter().all(|column| are_counts(column));
         let means: Vec<f64> = columns.iter().map(|column| mean(column)).collect();
-        let largest = columns.iter().flat_map(|column| column.iter()).filter(|value| value.is_finite());
-        let largest = largest.fold(0.0_f64, |most, value| most.max(value.abs()));
+        let Extremes { largest, longest } = others.with(columns);
         let step = columns.iter().filter_map(|column| step(column)).fold(f64::INFINITY, f64::min);
         let is_smooth = !are_counts && (!step.is_finite() || largest / step > f64::from(1_u32 << (BITS - 1)));
         let (offsets, gain_a, bits) = if are_counts {
             // A converter of counts with a sign has its zero in the middle.
             (means.clone(), 1.0, bits_of(largest))
         } else if is_smooth {
-            // A third more than the largest current of the recording.
+            // Twice the largest current of the recordings.
             let half = f64::from(1_u32 << (BITS - 1));
-            (vec![half; columns.len()], 1.3 * largest / half, BITS)
+            (vec![half; columns.len()], 2.0 * largest / half, BITS)
         } else {
-            let bits = bits_of(2.6 * largest / step).clamp(8, BITS);
+            let bits = bits_of(4.0 * largest / step).clamp(8, BITS);
             (vec![f64::from(1_u32 << (bits - 1)); columns.len()], step, bits)
         };
         let own = |(column, offset): (&&[f64], &f64)| -> Vec<f64> {
@@ -54,7 +72,6 @@ impl Phases {
         };
         let amperes: Vec<Vec<f64>> = columns.iter().zip(&offsets).map(own).collect();
         let noise = noise(&amperes).max(2.0 * gain_a);
-        let longest = columns.iter().map(|column| longest_repetition(column)).max().unwrap_or(0);
         let stuck = (REPETITIONS * longest).max(LEAST_STUCK);
         Self {
             amperes,

@@ -66,7 +66,7 @@ impl Drive {
 
     fn found(self) -> RawFrontEnd {
         let (names, columns) = self.recorded();
-        front_end(&names, &columns, Some(RATE_HZ)).unwrap_or_else(|problem| panic!("{problem}"))
+        front_end((&names, &columns), Some(RATE_HZ), Extremes::default()).unwrap_or_else(|problem| panic!("{problem}"))
     }
 
     /// The largest errors of quadrature current and velocity behind the front end, and its samples.
@@ -130,6 +130,12 @@ fn what_a_recording_tells_is_written_as_it_is() {
     assert!(text.contains("columns = [\"adc_c\", \"adc_a\"]") && text.contains("phases = \"ca\""), "{text}");
     let said = DRIVE.found().said.concat();
     assert!(said.contains("gain_a is 1"), "{said}");
+    // The largest current of all recordings, and the longest rest.
+    let (names, columns) = DRIVE.recorded();
+    let others = Extremes::default().with(&[&[4000.0], &[2048.0; 101]]).with(&[&[16_000.0]]);
+    let text = front_end((&names, &columns), Some(RATE_HZ), others).expect("a front end").text;
+    assert!(text.contains("of 14 bits") && text.contains("stuck_samples = 2000"), "{text}");
+    assert_eq!(phase_names(&names, &columns).expect("three phases"), PHASES);
     let said = Drive { gain_a: 0.0, zero: 0.0, ..DRIVE }.found().said.concat();
     assert!(said.contains("16 bits is assumed"), "{said}");
 }
@@ -138,7 +144,7 @@ fn what_a_recording_tells_is_written_as_it_is() {
 fn recordings_that_tell_too_little_say_what_is_missing() {
     let (names, columns) = DRIVE.recorded();
     let problem = |names: &[String], columns: &[Vec<f64>], rate_hz| {
-        front_end(names, columns, rate_hz).map(|found| found.text).expect_err("too little")
+        front_end((names, columns), rate_hz, Extremes::default()).map(|found| found.text).expect_err("too little")
     };
     assert!(problem(&names, &columns, None).contains("--rate-hz"));
     assert!(problem(&names[1..2], &columns[1..2], Some(RATE_HZ)).contains("no columns of two or three"));
