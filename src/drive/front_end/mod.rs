@@ -280,27 +280,43 @@ where
             self.resume(raw.number);
         }
         self.next = Some(raw.number.wrapping_add(1));
-        let own_current_a = match raw.currents {
-            PhaseCounts::Quadrature(current_a) => Some(current_a),
-            PhaseCounts::Two(_) | PhaseCounts::Three(_) => None,
-        };
+        if let PhaseCounts::Quadrature(current_a) = raw.currents {
+            return self.push_quadrature(current_a, raw);
+        }
         let currents = self.sensors.convert(&raw.currents);
         let mut now = Held { further: raw.further, ..Held::MISSING };
-        let mut velocity_rad_s = f32::NAN;
-        if let Some(tracked @ Tracked { angle, error_rad }) = self.tracker.push(&raw.position) {
-            if own_current_a.is_none() {
-                let electrical = self.frame.electrical(angle);
-                let turn = electrical.sin_cos();
-                self.balance.gather(currents, electrical, turn);
-                // In a sample that gives no output, so that an interrupt has one of the two at a time.
-                if self.balance.is_full() && (FACTOR == 1 || self.to_centre != Self::OUTPUT) {
-                    self.balance.close();
-                    self.sensors.shift(self.balance.remove_offsets());
-                }
-                if self.balance.imbalance().is_none() {
-                    now.current_a = self.frame.park.forward(currents.clarke(), turn).q;
-                }
+        let tracked = self.tracker.push(&raw.position);
+        if let Some(Tracked { angle, .. }) = tracked {
+            let electrical = self.frame.electrical(angle);
+            let turn = electrical.sin_cos();
+            self.balance.gather(currents, electrical, turn);
+            // In a sample that gives no output, so that an interrupt has one of the two at a time.
+            if self.balance.is_full() && (FACTOR == 1 || self.to_centre != Self::OUTPUT) {
+                self.balance.close();
+                self.sensors.shift(self.balance.remove_offsets());
             }
+            if self.balance.imbalance().is_none() {
+                now.current_a = self.frame.park.forward(currents.clarke(), turn).q;
+            }
+        }
+        self.advance(now, tracked)
+    }
+
+    /// The same of a quadrature current that the drive makes itself.
+    // Out of line, so that drives with counts have no code for it in their interrupt.
+    #[inline(never)]
+    fn push_quadrature(&mut self, current_a: f32, raw: &RawSample<FURTHER>) -> Option<CleanSample<FURTHER>> {
+        let current_a = if current_a.is_finite() { current_a } else { f32::NAN };
+        let now = Held { current_a, further: raw.further, ..Held::MISSING };
+        let tracked = self.tracker.push(&raw.position);
+        self.advance(now, tracked)
+    }
+
+    /// Holds this sample, and decimates the one that was held.
+    #[inline(always)]
+    fn advance(&mut self, mut now: Held<FURTHER>, tracked: Option<Tracked>) -> Option<CleanSample<FURTHER>> {
+        let mut velocity_rad_s = f32::NAN;
+        if let Some(tracked @ Tracked { angle, error_rad }) = tracked {
             (now.angle, now.error_rad, now.measured) = (angle, error_rad, tracked.measured());
             if self.measured < 2 {
                 self.measured = self.measured.wrapping_add(1);
@@ -309,9 +325,6 @@ where
             }
         } else {
             self.measured = 0;
-        }
-        if let Some(current_a) = own_current_a {
-            now.current_a = if current_a.is_finite() { current_a } else { f32::NAN };
         }
         let mut held = core::mem::replace(&mut self.held, now);
         self.before = held.measured;
