@@ -26,7 +26,8 @@ plan=$(dirname "$out")/bearing_watch_plan.h
 rm -f "$plan"
 if [ -n "$state" ]; then
     {
-        echo "/* Bytes of memory that this library needs, made by export.sh. */"
+        echo "/* What this library needs, which has a model of its own. Made by export.sh. */"
+        echo "#define BW_LIBRARY_HAS_MODEL 1"
         echo "#define BW_MODEL_STATE_SIZE $((state))u"
         echo "#define BW_MODEL_FRONT_END_SIZE $(($(size front_end)))u"
     } > "$plan"

@@ -25,7 +25,7 @@ pub unsafe extern "C" fn bw_can_frame(state: *mut BwState, frame: *mut u8) -> Bw
     code(unsafe { at(state) }.and_then(|state| {
         check(frame)?;
         let sent = state.settled(|monitor| {
-            monitor.report().map(|report| SegmentFrame::of(&state.model, report, monitor.evidence()).to_bytes())
+            monitor.report().map(|report| SegmentFrame::of(state.model, report, monitor.evidence()).to_bytes())
         })?;
         let bytes = sent.ok_or(BwCode::NoReport)?;
         // SAFETY: an array of bytes has their alignment, and so many are writable by the contract.

@@ -108,7 +108,7 @@ pub use signature::{
     BW_KEY_SIZE, BW_SEAL_SIZE, BW_STATE_KEY_SIZE, BwSealed, BwSigned, bw_open, bw_seal, bw_verify_model,
 };
 pub use solving::{bw_adopt, bw_advance, bw_conclude};
-pub use state::{BW_STATE_SIZE, BwState, bw_init, bw_state_size};
+pub use state::{BW_STATE_SIZE, BwState, bw_init, bw_init_own, bw_state_size};
 pub use telemetry::{
     BW_FRAME_SIZE, BW_TELEMETRY_SIZE, BwTelemetry, bw_telemetry_hello, bw_telemetry_init, bw_telemetry_raw,
     bw_telemetry_report, bw_telemetry_samples,

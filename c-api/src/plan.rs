@@ -10,12 +10,20 @@ use bearing_watch::plan::Bounds;
 pub(crate) use self::AnyModel as Own;
 #[cfg(bearing_watch_plan)]
 pub(crate) use exported::Drive as Own;
+#[cfg(bearing_watch_plan)]
+pub(crate) use exported::MODEL;
 #[cfg(bearing_watch_front_end)]
 pub(crate) use exported::{DriveFrontEnd, FURTHER};
 
 /// What `bearing-watch train --rust` wrote.
 #[cfg(bearing_watch_plan)]
-#[allow(dead_code, unreachable_pub, missing_docs, clippy::all, reason = "the model itself comes as bytes")]
+#[allow(
+    dead_code,
+    unreachable_pub,
+    missing_docs,
+    clippy::all,
+    reason = "what `train` writes is for other programs, too"
+)]
 mod exported {
     include!(env!("BEARING_WATCH_PLAN_FILE"));
 }

@@ -14,7 +14,7 @@ use crate::state::BwState;
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize) -> BwCode {
     // SAFETY: the same contract.
-    let size = unsafe { at(state) }.map(|state| Evidence::saved_len(&state.model));
+    let size = unsafe { at(state) }.map(|state| Evidence::saved_len(state.model));
     // SAFETY: the same contract.
     code(size.and_then(|size| unsafe { put(length, size) }).map(|()| BwCode::Ok))
 }
@@ -42,7 +42,7 @@ pub(crate) unsafe fn save<'a>(state: *mut BwState, bytes: *mut u8, capacity: usi
     // SAFETY: the contract of the caller.
     let state = unsafe { at(state) }?;
     check(bytes)?;
-    let size = Evidence::saved_len(&state.model);
+    let size = Evidence::saved_len(state.model);
     if capacity < size {
         return Err(BwCode::BufferTooSmall);
     }

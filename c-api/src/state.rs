@@ -22,12 +22,19 @@ use crate::waiting::Waiting;
 /// exactly is needed.
 pub const BW_STATE_SIZE: usize = 23552;
 
-const _: () = assert!(size_of::<BwState>() <= BW_STATE_SIZE || cfg!(bearing_watch_plan));
+const _: () = assert!(size_of::<WithModel>() <= BW_STATE_SIZE || cfg!(bearing_watch_plan));
 const _: () = assert!(align_of::<BwState>() <= BW_STATE_ALIGN);
 
 /// A detector of one drive, in memory of the caller.
 #[derive(Debug)]
 pub struct BwState(Halves);
+
+/// A state with the model that it read.
+#[repr(C)]
+struct WithModel {
+    state: BwState,
+    model: Model<Own>,
+}
 
 /// In this order: short loads of the interrupt reach what it works on.
 #[repr(C)]
@@ -44,7 +51,7 @@ pub struct Halves {
     pub(crate) closed: Slot<Segment<Own>>,
     pub(crate) waiting: Waiting,
     pub(crate) sampling: Lock<OwnDetector>,
-    pub(crate) model: Model<Own>,
+    pub(crate) model: &'static Model<Own>,
     /// The open segment and the one of the slot, in turns.
     places: [UnsafeCell<Segment<Own>>; 2],
     pub(crate) solving: Lock<OwnMonitor>,
@@ -83,6 +90,11 @@ impl BwState {
             work(monitor)
         })
     }
+}
+
+impl Object for WithModel {
+    const MARK: u32 = BwState::MARK;
+    const PLACE_OF_TAG: usize = offset_of!(Self, state) + BwState::PLACE_OF_TAG;
 }
 
 impl Object for BwState {
@@ -182,7 +194,7 @@ impl<T> Slot<T> {
 /// Returns the number of bytes of memory that `bw_init` needs: with a plan of its own a library needs less.
 #[unsafe(no_mangle)]
 pub extern "C" fn bw_state_size() -> usize {
-    size_of::<BwState>()
+    size_of::<WithModel>()
 }
 
 /// Makes a state in memory of the caller from a model as `bearing-watch train --model` or `--c` writes it, and gives
@@ -214,12 +226,60 @@ unsafe fn init(
     state: *mut *mut BwState,
 ) -> Outcome {
     check(state)?;
-    let own: *mut BwState = room(memory, size)?;
+    let whole: *mut WithModel = room(memory, size)?;
     // SAFETY: the memory is large enough, aligned, and writable by the contract, and no other function works on it;
     // the bytes are readable by the contract. What was there owns nothing that would have to be dropped. The model is
     // never changed, and stays where it is as long as the detector that borrows it: both are in this memory.
     unsafe {
-        place_model(own, elements(model, length)?)?;
+        place_model(whole, elements(model, length)?)?;
+        fill(whole.cast(), &(*whole).model, state)
+    }
+}
+
+/// Makes a state with the model that the library was built with (`BEARING_WATCH_PLAN=model.rs`), whose `BW_MODEL_MARK`
+/// is `mark`, and gives its address in `state`. Nothing is read or checked when it runs: the compiler has done that. It
+/// needs less memory than `bw_init`, little stack, and half of the flash.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_MODEL_DOES_NOT_FIT` if the library was built with another model or with none, or what is
+/// wrong with the memory.
+///
+/// # Safety
+/// `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `state` is
+/// NULL or writable. No other function works on the state.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_init_own(memory: *mut c_void, size: usize, mark: u32, state: *mut *mut BwState) -> BwCode {
+    let init = || {
+        check(state)?;
+        let own: *mut BwState = room(memory, size)?;
+        let model = own_model().filter(|model| model.mark() == mark).ok_or(BwCode::ModelDoesNotFit)?;
+        // SAFETY: the memory is large enough, aligned, and writable by the contract, and no other function works on it.
+        unsafe {
+            (&raw mut (*own).0.tag).write(Tag::none());
+            fill(own, model, state)
+        }
+    };
+    code(init())
+}
+
+/// The model that the library was built with.
+#[cfg(bearing_watch_plan)]
+fn own_model() -> Option<&'static Model<Own>> {
+    Some(&crate::plan::MODEL)
+}
+
+#[cfg(not(bearing_watch_plan))]
+const fn own_model() -> Option<&'static Model<Own>> {
+    None
+}
+
+/// Fills all of a state but its tag, which is none.
+///
+/// # Safety
+/// The state has its memory, and no other function works on it. `state` is writable.
+unsafe fn fill(own: *mut BwState, model: &'static Model<Own>, state: *mut *mut BwState) -> Outcome {
+    // SAFETY: the contract of the caller.
+    unsafe {
+        (&raw mut (*own).0.model).write(model);
         (&raw mut (*own).0.lost_samples).write(AtomicU32::new(0));
         (&raw mut (*own).0.lost_segments).write(AtomicU32::new(0));
         (&raw mut (*own).0.missed).write(AtomicU32::new(0));
@@ -227,9 +287,9 @@ unsafe fn init(
         (&raw mut (*own).0.doubted).write(AtomicU32::new(NO_SEGMENT));
         let [open, spare] = place_segments(own);
         (&raw mut (*own).0.closed).write(Slot::new(spare));
-        place_detector(own, &(*own).0.model, open);
-        place_monitor(own, &(*own).0.model);
-        let interval_s = (*own).0.model.constants().sampling.interval_s;
+        place_detector(own, model, open);
+        place_monitor(own, model);
+        let interval_s = model.constants().sampling.interval_s;
         (&raw mut (*own).0.rate).write(Lock::new(RateCheck::new(1.0 / interval_s, 1000.0, TOLERANCE, WINDOW_MS)));
         (*own).0.tag.set(own);
         put(state, own)?;
@@ -240,15 +300,15 @@ unsafe fn init(
 /// Reads the model, and puts it in its place if it is good. The state is not valid from there on.
 // Out of line like the next three, so that none of them takes stack while another runs.
 #[inline(never)]
-unsafe fn place_model(own: *mut BwState, bytes: &[u8]) -> Outcome<()> {
+unsafe fn place_model(whole: *mut WithModel, bytes: &[u8]) -> Outcome<()> {
     let model = ManuallyDrop::new(Model::<Own>::from_sector(bytes));
     match &*model {
         Ok(model) => {
             // SAFETY: the contract of the caller; the other model is neither used nor dropped after this. To take it out
             // of the result would move it once more on the stack.
             unsafe {
-                (&raw mut (*own).0.tag).write(Tag::none());
-                (&raw mut (*own).0.model).copy_from_nonoverlapping(model, 1);
+                (&raw mut (*whole).state.0.tag).write(Tag::none());
+                (&raw mut (*whole).model).copy_from_nonoverlapping(model, 1);
             }
             Ok(())
         }
@@ -264,7 +324,7 @@ unsafe fn place_segments(own: *mut BwState) -> [&'static mut Segment<Own>; 2] {
     [0, 1].map(|k| {
         // SAFETY: as above; there are two of them.
         unsafe {
-            places.add(k).write(UnsafeCell::new(Segment::new(&(*own).0.model)));
+            places.add(k).write(UnsafeCell::new(Segment::new((*own).0.model)));
             &mut *UnsafeCell::raw_get(places.add(k))
         }
     })

@@ -81,7 +81,7 @@ pub unsafe extern "C" fn bw_telemetry_init(
             Line::Raw(RawEncoder::new(source))
         } else {
             let state: &'static BwState = at(state)?;
-            Line::Model(state, Encoder::new(&state.model, source))
+            Line::Model(state, Encoder::new(state.model, source))
         };
         put_object(place, BwTelemetry { tag: Tag::none(), line: Lock::new(line) }, telemetry)
     }))

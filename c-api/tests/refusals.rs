@@ -396,3 +396,14 @@ fn the_library_tells_its_version_and_turns_counts_into_angles() {
     // A quarter of a turn of 2³² counts.
     assert_eq!(bw_angle(1024, 12), 1 << 30);
 }
+
+/// Without a plan the library has no model of its own.
+#[test]
+fn a_library_for_any_model_has_no_model_of_its_own() {
+    let (mut memory, mut state) = (Memory::new(), null_mut());
+    // SAFETY: the memory is there for the whole call.
+    let code = unsafe { bw_init_own(memory.address(), BW_STATE_SIZE, 0x1234, &raw mut state) };
+    assert_eq!((code, state), (BwCode::ModelDoesNotFit, null_mut()));
+    // SAFETY: NULL is refused.
+    assert_eq!(unsafe { bw_init_own(memory.address(), BW_STATE_SIZE, 0, null_mut()) }, BwCode::Null);
+}

@@ -235,7 +235,9 @@ fn build(name: &str, model: Model, language: Language, library: &Path) -> Result
     let (root, folder) = (workspace::root(), folder());
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let examples = root.join("c-api/examples");
-    let includes = [root.join("c-api/include"), root.join(model.folder())];
+    // The header of a library for one plan lies beside it.
+    let beside = library.parent().unwrap_or(&folder).to_path_buf();
+    let includes = [root.join("c-api/include"), root.join(model.folder()), beside];
     let mut sources = vec![(format!("{name}.c"), language.flags()), ("board.c".to_owned(), Language::C.flags())];
     if model == Model::StandardRig {
         let data = if name == "signed" { "signed_model.s" } else { "held_out.s" };

@@ -52,10 +52,10 @@ pub fn orders(library: &Path) -> Result<String> {
     for empty in ["libstdc++.a", "libstdc++_nano.a"] {
         fs::write(folder.join(empty), "!<arch>\n")?;
     }
-    let without = link(&folder, "gcc", &["PROGRAM", "-lm", "-lc"], &compile(&folder, &["-DALONE"])?, library)?;
+    let without = link(&folder, "gcc", &["PROGRAM", "-lm", "-lc"], &compile(&folder, &["-DALONE"], library)?, library)?;
     let (expected, alone) = (sizes(&without)?, elf::sizes(&without)?.flash);
     ensure!(expected.len() == SHARED.len(), "the program has {expected:?} of {SHARED:?}");
-    let object = compile(&folder, &[])?;
+    let object = compile(&folder, &[], library)?;
     let mut added = Vec::new();
     for (linker, order) in ORDERS {
         let program = link(&folder, linker, order, &object, library)?;
@@ -73,11 +73,13 @@ fn sizes(program: &Path) -> Result<BTreeMap<String, u64>> {
     elf::global_sizes(program, &SHARED)
 }
 
-fn compile(folder: &Path, flags: &[&str]) -> Result<PathBuf> {
+fn compile(folder: &Path, flags: &[&str], library: &Path) -> Result<PathBuf> {
     let root = workspace::root();
     let object = folder.join(format!("beside_newlib{}.o", flags.concat()));
     let mut compiler = Command::new("arm-none-eabi-gcc");
     compiler.args(DRIVE_FLAGS).args(["-std=c99", "-Wall", "-Werror", "-O2", "-ffunction-sections"]).args(flags);
+    // The library's own header lies beside it.
+    compiler.arg("-I").arg(library.parent().unwrap_or(folder));
     compiler.arg("-I").arg(root.join("c-api/include")).arg("-I").arg(root.join("examples/support/standard_rig"));
     child::succeed(compiler.arg("-c").arg(root.join("c-api/tests/chip/beside_newlib.c")).arg("-o").arg(&object))?;
     Ok(object)

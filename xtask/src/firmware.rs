@@ -109,6 +109,16 @@ pub fn build_crate(way: Way, folder: &Path, name: &str) -> Result<PathBuf> {
     existing(built.join(name))
 }
 
+/// Builds the tests of a crate outside the workspace, in its folder, and returns the ELF file of one of them.
+pub fn build_suite(way: Way, folder: &Path, test: &str) -> Result<PathBuf> {
+    let (mut cargo, _) = cargo_to("test", way, DRIVE);
+    cargo.args(["--no-run", "--test", test, "--message-format", "json-render-diagnostics"]).current_dir(folder);
+    let messages = child::output(&mut cargo).context("the tests are not built")?;
+    let messages = messages.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+    let mut made = messages.filter_map(|message| message.get("executable")?.as_str().map(PathBuf::from));
+    existing(made.next().context("cargo names no program")?)
+}
+
 /// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources; returns its ELF file.
 pub fn build_peers(way: Way, cmsis: &Path) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, DRIVE);

@@ -7,7 +7,7 @@ use crate::stages::Stages;
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::toolchain::Way;
-use crate::{firmware, pil, qemu, workspace};
+use crate::{firmware, on_board, pil, qemu, workspace};
 
 /// The crates in the folder `frameworks`; their packages have the prefix `drive-`.
 const CRATES: [&str; 2] = ["rtic", "embassy"];
@@ -25,6 +25,7 @@ pub fn checks(tally: &mut Tally, way: Way) {
         let title = format!("drive under {name}");
         tally.check(&title, brief(compare(way, name)));
     }
+    tally.check("tests for boards", brief(on_board::run(way)));
 }
 
 fn compare(way: Way, name: &str) -> Result<String> {

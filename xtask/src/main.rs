@@ -28,6 +28,7 @@ mod long;
 mod measure;
 mod mutants;
 mod newcomer;
+mod on_board;
 mod peers;
 mod pil;
 mod processes;

@@ -35,6 +35,14 @@ pub fn run_in(folder: &Path, elf: &Path, machine: &str, echo: Echo) -> Result<Ve
     within(&mut emulator, PATIENCE, echo, log::decoder(elf)?).with_context(|| title(elf, machine))
 }
 
+/// Runs one test of a program for probe-rs, which gets its address as words of a command line.
+pub fn run_test(elf: &Path, machine: &str, address: &str) -> Result<Vec<String>> {
+    let mut emulator = Command::new(PROGRAM);
+    let words = format!("enable=on,target=native,arg=run_addr,arg={address}");
+    emulator.args(["-machine", machine, "-nographic", "-semihosting-config", &words, "-icount", "shift=8", "-kernel"]);
+    run_by(&mut emulator, elf)
+}
+
 /// The same, and hands over the lines of the log of the emulator: the instructions of every translated block, and every
 /// block that is executed.
 pub fn trace(

@@ -20,16 +20,17 @@ static void of_libraries(void) {
 #ifdef ALONE
 static void of_bearing_watch(void) {}
 #else
-static uint64_t memory[BW_STATE_SIZE / sizeof(uint64_t)];
+static BwDrive drive;
 
 static void of_bearing_watch(void) {
-    BwState *detector;
+    BwReading now = {results[4], results[5], results[6]};
     BwReport report;
-    bw_init(memory, sizeof memory, bw_model, BW_MODEL_LENGTH, &detector);
-    bw_collect(detector, results, BW_MODEL_CHANNELS, 0);
-    bw_conclude(detector);
-    bw_report(detector, &report);
-    results[2] = report.verdict;
+    BwAlarm alarm;
+    bw_drive_start(&drive);
+    bw_drive_sample(&drive, &now);
+    bw_drive_collect(&drive);
+    bw_drive_advance(&drive, &report, &alarm);
+    results[2] = (float)report.verdict;
 }
 #endif
 

@@ -16,6 +16,8 @@
 
 /* Checksum of the model: another model has another one. */
 #define BW_MODEL_ID 0x0d0d1e92u
+/* Mark of the model, for `bw_init_own`. */
+#define BW_MODEL_MARK 0x9ca23215u
 /* Number of bytes. */
 #define BW_MODEL_LENGTH 1533u
 /* Interval of the samples, s; 0 if it is unknown. */
@@ -191,7 +193,7 @@ typedef struct BwReading {
     float velocity_ref_rad_s; /* rad/s; NAN if it is missing */
 } BwReading;
 
-/* The bytes that a library for one plan needs are in bearing_watch_plan.h, which export.sh writes beside it. */
+/* What a library for one plan needs is in bearing_watch_plan.h, which export.sh writes beside it. */
 #if defined(__has_include)
 #if __has_include("bearing_watch_plan.h")
 #include "bearing_watch_plan.h"
@@ -203,8 +205,8 @@ typedef struct BwReading {
 #endif
 /* A drive: zero it, as a static is. */
 typedef struct BwDrive {
-    uint64_t detector_memory[BW_MODEL_STATE_SIZE / 8];
-    uint64_t front_end_memory[BW_MODEL_FRONT_END_SIZE / 8];
+    uint64_t detector_memory[(BW_MODEL_STATE_SIZE + 7) / 8];
+    uint64_t front_end_memory[(BW_MODEL_FRONT_END_SIZE + 7) / 8];
     BwFrontEnd *front_end;
     BwState *detector; /* for all other functions of bearing_watch.h */
     volatile uint32_t samples; /* that the detector was given */
@@ -213,8 +215,12 @@ typedef struct BwDrive {
 static inline BwCode bw_drive_start(BwDrive *drive, const BwFrontEndConstants *constants) {
     BwCode code;
     if (bw_known_answer_test() != 0u) { return BW_CODE_ARITHMETIC; }
+#ifdef BW_LIBRARY_HAS_MODEL
+    code = bw_init_own(drive->detector_memory, sizeof drive->detector_memory, BW_MODEL_MARK, &drive->detector);
+#else
     code = bw_init(drive->detector_memory, sizeof drive->detector_memory, bw_model, BW_MODEL_LENGTH,
                    &drive->detector);
+#endif
     if (code >= 0) {
         code = bw_front_end_init(drive->front_end_memory, sizeof drive->front_end_memory, constants,
                                  &drive->front_end);

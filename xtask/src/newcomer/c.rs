@@ -19,6 +19,9 @@ const PARTS: [&str; 3] = ["c-api/include", "c-api/examples", "examples/support/s
 /// Where the document has the library in a checkout; the Debian way builds it elsewhere.
 const LIBRARY: &str = "target/thumbv7em-none-eabihf/release/libbearing_watch.a";
 
+/// The header that is made with a library for one plan.
+const PLAN: &str = "bearing_watch_plan.h";
+
 /// A program that builds the project.
 pub struct Builder {
     title: &'static str,
@@ -77,6 +80,9 @@ fn fill(checkout: &Path, way: Way) -> Result<()> {
     }
     let library = checkout.join(LIBRARY);
     fs::create_dir_all(library.parent().context("no folder of the library")?)?;
-    fs::copy(c_library::of_example(way)?, library)?;
+    let built = c_library::of_example(way)?;
+    // What it needs, and that it has a model of its own.
+    fs::copy(built.with_file_name(PLAN), library.with_file_name(PLAN))?;
+    fs::copy(built, library)?;
     Ok(())
 }

@@ -1,6 +1,8 @@
 //! `bearing-watch listen`
 
 mod alarm;
+#[cfg(target_os = "linux")]
+mod bus;
 mod can;
 mod live;
 mod names;
@@ -41,14 +43,14 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// `train`, with the columns phase_a_counts, phase_b_counts and, of a third sensor, phase_c_counts; angle_counts (32
 /// bits a turn), or sin and cos; and those of --further. The end of the source, --seconds or Ctrl-C ends it.
 ///
-/// With --can-id the source is the log of a CAN bus, as `candump -L` prints it or as an ASC file, and the frames of
-/// this identifier are segments (SegmentFrame, bw_can_frame): they are shown with their alarm, and lost, repeated and
+/// With --can-id the source is a CAN interface of Linux such as can0, or the log of a CAN bus, as `candump -L` prints it
+/// or as an ASC file, and the frames of this identifier are segments (SegmentFrame, bw_can_frame): they are shown with their alarm, and lost, repeated and
 /// withdrawn ones are counted. A drive that counts from 1 again has started again.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces\n  \
-                  candump -L can0 | bearing-watch listen - --can-id 0x123 --model model.bwm")]
+                  bearing-watch listen can0 --can-id 0x123 --model model.bwm")]
 pub(super) struct Args {
-    /// Serial port, file, or - for standard input
+    /// Serial port, CAN interface of Linux, file, or - for standard input
     source: String,
     /// Bits a second of a serial port
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1..))]
@@ -80,6 +82,13 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
+    #[cfg(target_os = "linux")]
+    if args.can_id.is_none() && bus::is_bus(&args.source) {
+        return Err(Error::Usage(format!(
+            "{} is a CAN interface: give the identifier of the drive, --can-id",
+            args.source
+        )));
+    }
     let line = Line { args, deadline: args.deadline()?, stopped: stop_flag()? };
     let file = args.model.as_deref().map(ModelFile::read).transpose()?;
     let names = file.as_ref().map(Names::of_model);

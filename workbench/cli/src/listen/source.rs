@@ -1,4 +1,4 @@
-//! The bytes of a serial port, a file or a pipe, read by a thread of their own.
+//! The bytes of a serial port, a CAN interface, a file or a pipe, read by a thread of their own.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
@@ -8,6 +8,9 @@ use std::thread;
 use std::time::Duration;
 
 use serial2::SerialPort;
+
+#[cfg(target_os = "linux")]
+use super::bus;
 
 /// Bytes read at once, and how many such chunks wait.
 const CHUNK: usize = 4096;
@@ -26,6 +29,8 @@ pub(super) fn open(source: &str, baud: u32) -> Receiver<Chunk> {
         let read = match source.as_str() {
             "-" => Ok(Box::new(io::stdin()) as Box<dyn Read>),
             name if is_serial(name) => serial(name, baud),
+            #[cfg(target_os = "linux")]
+            name if bus::is_bus(name) => bus::Bus::open(name).map(|bus| Box::new(bus) as Box<dyn Read>),
             name => File::open(name).map(|file| Box::new(file) as Box<dyn Read>),
         };
         let outcome = read.and_then(|mut reader| pass_on(reader.as_mut(), &sender));
@@ -63,7 +68,8 @@ fn pass_on(reader: &mut dyn Read, sender: &SyncSender<Chunk>) -> io::Result<()> 
                     return Ok(());
                 }
             }
-            Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => {}
+            Err(error)
+                if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
             Err(error) => return Err(error),
         }
     }

@@ -45,6 +45,8 @@ pub fn c_header(
     out += " */\n#ifndef BEARING_WATCH_MODEL_H\n#define BEARING_WATCH_MODEL_H\n\n#include <stdint.h>\n\n#include \"bearing_watch.h\"\n\n";
     line(&mut out, "/* Checksum of the model: another model has another one. */");
     line(&mut out, &format!("#define BW_MODEL_ID 0x{id:08x}u"));
+    line(&mut out, "/* Mark of the model, for `bw_init_own`. */");
+    line(&mut out, &format!("#define BW_MODEL_MARK 0x{:08x}u", model.mark()));
     line(&mut out, "/* Number of bytes. */");
     line(&mut out, &format!("#define BW_MODEL_LENGTH {length}u"));
     line(&mut out, "/* Interval of the samples, s; 0 if it is unknown. */");

@@ -70,7 +70,7 @@ fn raw_fields(out: &mut String, file: &FrontEndFile) {
 
 fn memory(out: &mut String, front_end: bool) {
     *out += "\n\
-        /* The bytes that a library for one plan needs are in bearing_watch_plan.h, which export.sh writes beside it. */\n\
+        /* What a library for one plan needs is in bearing_watch_plan.h, which export.sh writes beside it. */\n\
         #if defined(__has_include)\n\
         #if __has_include(\"bearing_watch_plan.h\")\n\
         #include \"bearing_watch_plan.h\"\n\
@@ -83,9 +83,9 @@ fn memory(out: &mut String, front_end: bool) {
     }
     *out += "#endif\n\
         /* A drive: zero it, as a static is. */\n\
-        typedef struct BwDrive {\n    uint64_t detector_memory[BW_MODEL_STATE_SIZE / 8];\n";
+        typedef struct BwDrive {\n    uint64_t detector_memory[(BW_MODEL_STATE_SIZE + 7) / 8];\n";
     if front_end {
-        *out += "    uint64_t front_end_memory[BW_MODEL_FRONT_END_SIZE / 8];\n    BwFrontEnd *front_end;\n";
+        *out += "    uint64_t front_end_memory[(BW_MODEL_FRONT_END_SIZE + 7) / 8];\n    BwFrontEnd *front_end;\n";
     }
     *out += "    BwState *detector; /* for all other functions of bearing_watch.h */\n    \
         volatile uint32_t samples; /* that the detector was given */\n} BwDrive;\n";
@@ -102,8 +102,12 @@ fn start(out: &mut String, front_end: bool) {
         "static inline BwCode bw_drive_start(BwDrive *drive{constants}) {{\n\
          \x20   BwCode code;\n\
          \x20   if (bw_known_answer_test() != 0u) {{ return BW_CODE_ARITHMETIC; }}\n\
+         #ifdef BW_LIBRARY_HAS_MODEL\n\
+         \x20   code = bw_init_own(drive->detector_memory, sizeof drive->detector_memory, BW_MODEL_MARK, &drive->detector);\n\
+         #else\n\
          \x20   code = bw_init(drive->detector_memory, sizeof drive->detector_memory, bw_model, BW_MODEL_LENGTH,\n\
-         \x20                  &drive->detector);\n"
+         \x20                  &drive->detector);\n\
+         #endif\n"
     );
     if front_end {
         *out += "    if (code >= 0) {\n\
