@@ -87,7 +87,7 @@ static const uint8_t bw_model[BW_MODEL_LENGTH] = {
 
 /* What the drive reads at one instant. */
 typedef struct BwReading {
-    float current_a_2; /* A; NAN if it is missing */
+    float current_a; /* A; NAN if it is missing */
     float velocity_ref_rad_s; /* rad/s; NAN if it is missing */
     float load_torque_nm; /* N m; NAN if it is missing */
 } BwReading;
@@ -121,7 +121,7 @@ static inline BwCode bw_drive_start(BwDrive *drive) {
 }
 /* In the sampling interrupt, at the rate of the model; then request the interrupt of bw_drive_collect. */
 static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
-    const float values[BW_MODEL_CHANNELS] = { reading->current_a_2, reading->velocity_ref_rad_s, reading->load_torque_nm };
+    const float values[BW_MODEL_CHANNELS] = { reading->current_a, reading->velocity_ref_rad_s, reading->load_torque_nm };
     drive->samples = drive->samples + 1u;
     return bw_put(drive->detector, values, BW_MODEL_CHANNELS, 0u, false);
 }

@@ -7,7 +7,7 @@ use super::front_end_source::own;
 use crate::trace::FrontEndFile;
 use crate::trace::front_end::{Columns, Turn};
 
-/// Names that a reading has itself.
+/// Names that a reading behind a front end has itself.
 const TAKEN: [&str; 8] = ["number", "phases", "current_a", "position_missing", "position", "sin", "cos", "angle"];
 
 /// Returns the part of the header, of a drive with a front end or with the channels of the model as its own signals.
@@ -23,7 +23,7 @@ pub(super) fn drive_header(channels: &[Channel], needs_angle: bool, file: Option
     }
     let given: Vec<&Channel> = channels.iter().filter(|channel| file.is_none() || !own(channel)).collect();
     let names: Vec<&str> = given.iter().map(|channel| channel.name.as_str()).collect();
-    let names = fields(&names, &TAKEN);
+    let names = fields(&names, if file.is_some() { &TAKEN } else { &["angle"] });
     for (channel, field) in given.iter().zip(&names) {
         // In ASCII, as the rest of the header.
         let unit = channel.unit.as_str().replace("N·m", "N m");
