@@ -42,6 +42,7 @@
 mod about;
 mod alarm;
 mod angle;
+mod below;
 mod blocks;
 mod calibration;
 mod can;
@@ -59,6 +60,8 @@ mod sampling;
 mod saved;
 #[cfg(feature = "signature")]
 mod signature;
+#[cfg(all(target_os = "none", bearing_watch_plan))]
+mod sizes;
 mod solving;
 mod state;
 mod telemetry;
@@ -71,6 +74,7 @@ pub use about::{
 };
 pub use alarm::{BwAlarm, bw_alarm, bw_deny, bw_end_run, bw_limit_silence, bw_reset};
 pub use angle::{bw_angle, bw_angle_from_cpr};
+pub use below::{bw_collect_waiting, bw_put};
 pub use calibration::{
     BW_CALIBRATION_SIZE, BwCalibration, BwCalibrationLimits, BwRefusedOffset, bw_calibration_finish,
     bw_calibration_init, bw_calibration_push,
@@ -113,7 +117,6 @@ pub use telemetry::{
     BW_FRAME_SIZE, BW_TELEMETRY_SIZE, BwTelemetry, bw_telemetry_hello, bw_telemetry_init, bw_telemetry_raw,
     bw_telemetry_report, bw_telemetry_samples,
 };
-pub use waiting::{bw_collect_waiting, bw_put};
 pub use wiring::{
     BW_WIRING_SIZE, BwWiring, BwWiringCheck, BwWiringFault, BwWiringLimits, bw_wiring_conclude, bw_wiring_init,
     bw_wiring_text,

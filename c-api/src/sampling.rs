@@ -8,9 +8,7 @@ use bearing_watch::{Angle, Exchange};
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
-use crate::state::{BwState, OwnDetector, OwnMonitor};
-
-pub(crate) type Sample = <Own as Plan>::Sample;
+use crate::state::{BwState, OwnDetector, OwnMonitor, Sample};
 
 /// Most lost samples that are made up for at once: more than the shaft bridges, so that everything starts anew.
 const MOST_MISSED: u32 = 16;

@@ -11,6 +11,7 @@ use core::mem::{ManuallyDrop, offset_of};
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use bearing_watch::plan::Plan;
 use bearing_watch::{Detector, Model, Monitor, RateCheck, Segment};
 
 use crate::code::{BwCode, Outcome, code};
@@ -49,7 +50,7 @@ pub struct Halves {
     /// Number of the segment that `bw_discard` has put in doubt; [`NO_SEGMENT`] at first.
     pub(crate) doubted: AtomicU32,
     pub(crate) closed: Slot<Segment<Own>>,
-    pub(crate) waiting: Waiting,
+    pub(crate) waiting: Waiting<Sample>,
     pub(crate) sampling: Lock<OwnDetector>,
     pub(crate) model: &'static Model<Own>,
     /// The open segment and the one of the slot, in turns.
@@ -57,6 +58,9 @@ pub struct Halves {
     pub(crate) solving: Lock<OwnMonitor>,
     pub(crate) rate: Lock<RateCheck>,
 }
+
+/// A sample of the plan.
+pub(crate) type Sample = <Own as Plan>::Sample;
 
 /// What the interrupt works on.
 pub(crate) type OwnDetector = Detector<'static, Own, &'static mut Segment<Own>>;
@@ -341,14 +345,3 @@ unsafe fn place_monitor(own: *mut BwState, model: &'static Model<Own>) {
     // SAFETY: the contract of the caller.
     unsafe { (&raw mut (*own).0.solving).write(Lock::new(Monitor::new(model))) };
 }
-
-// The sizes of a library for one plan, as numbers that `export.sh` reads from its symbols: they take no memory.
-#[cfg(all(target_os = "none", bearing_watch_plan))]
-core::arch::global_asm!(
-    ".globl bw_size_of_state",
-    ".set bw_size_of_state, {state}",
-    ".globl bw_size_of_front_end",
-    ".set bw_size_of_front_end, {front_end}",
-    state = const size_of::<BwState>(),
-    front_end = const size_of::<crate::front_end::BwFrontEnd>(),
-);

@@ -6,20 +6,15 @@
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use bearing_watch::known_answer_test;
-
-use crate::code::{BwCode, Outcome, code};
-use crate::memory::at;
-use crate::sampling::{self, Sample, sample, take_into};
-use crate::state::{BwState, OwnDetector};
+use crate::code::{BwCode, Outcome};
 
 /// Samples that wait at most.
 const PLACES: usize = 4;
 
 /// The samples that wait.
 #[derive(Debug)]
-pub(crate) struct Waiting {
-    places: [UnsafeCell<Option<Put>>; PLACES],
+pub(crate) struct Waiting<T> {
+    places: [UnsafeCell<Option<Put<T>>>; PLACES],
     put: AtomicU32,
     taken: AtomicU32,
     /// Samples that were lost since the last one that was put.
@@ -27,20 +22,20 @@ pub(crate) struct Waiting {
     /// Whether one of them had a fault that was found late.
     found_late: AtomicBool,
     /// Whether the arithmetic of the context that takes was tested.
-    tested: AtomicBool,
+    pub(crate) tested: AtomicBool,
 }
 
 #[derive(Debug)]
-struct Put {
-    sample: Sample,
-    found_late: bool,
-    missed: u32,
+pub(crate) struct Put<T> {
+    pub(crate) sample: T,
+    pub(crate) found_late: bool,
+    pub(crate) missed: u32,
 }
 
 // SAFETY: a place between the two numbers belongs to the context that takes, any other one to the context that puts.
-unsafe impl Sync for Waiting {}
+unsafe impl<T: Send> Sync for Waiting<T> {}
 
-impl Waiting {
+impl<T> Waiting<T> {
     pub(crate) const fn new() -> Self {
         Self {
             places: [const { UnsafeCell::new(None) }; PLACES],
@@ -52,7 +47,7 @@ impl Waiting {
         }
     }
 
-    fn place(&self, number: u32) -> Option<&UnsafeCell<Option<Put>>> {
+    fn place(&self, number: u32) -> Option<&UnsafeCell<Option<Put<T>>>> {
         self.places.get(number as usize % PLACES)
     }
 
@@ -63,7 +58,7 @@ impl Waiting {
     ///
     /// # Safety
     /// No other call at the same time.
-    unsafe fn put(&self, sample: Sample, found_late: bool) -> Outcome<()> {
+    pub(crate) unsafe fn put(&self, sample: T, found_late: bool) -> Outcome<()> {
         let number = self.put.load(Ordering::Relaxed);
         let found_late = found_late | self.found_late.load(Ordering::Relaxed);
         let full = number.wrapping_sub(self.taken.load(Ordering::Acquire)) as usize >= PLACES;
@@ -81,7 +76,7 @@ impl Waiting {
     ///
     /// # Safety
     /// No other call at the same time.
-    unsafe fn take(&self) -> Option<Put> {
+    pub(crate) unsafe fn take(&self) -> Option<Put<T>> {
         let number = self.taken.load(Ordering::Relaxed);
         if number == self.put.load(Ordering::Acquire) {
             return None;
@@ -91,67 +86,4 @@ impl Waiting {
         self.taken.store(number.wrapping_add(1), Ordering::Release);
         put
     }
-}
-
-/// Puts a sample into a queue of four in the interrupt of the current loop, for `bw_collect_waiting` in an interrupt
-/// below it, which may come up to three samples late. `values` and `angle` are those of `bw_collect`; `found_late` is
-/// that of `BwCleanSample`.
-///
-/// Returns `BW_CODE_OK`, `BW_CODE_WRONG_CHANNEL_COUNT`, or `BW_CODE_SAMPLE_LOST` if four samples wait: this one then
-/// counts as one with bad values.
-///
-/// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count` readable
-/// values. Only one context calls this function.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn bw_put(
-    state: *mut BwState,
-    values: *const f32,
-    count: usize,
-    angle: u32,
-    found_late: bool,
-) -> BwCode {
-    // SAFETY: the same contract.
-    code(unsafe { sample(state, values, count, angle) }.and_then(|(state, sample)| {
-        // SAFETY: the same contract.
-        unsafe { state.waiting.put(sample, found_late) }.inspect_err(|_| sampling::count(&state.lost_samples))?;
-        Ok(BwCode::Ok)
-    }))
-}
-
-/// Takes all samples that wait, as `bw_collect` and `bw_discard` do, in an interrupt below the current loop or in the
-/// same one. The first call tests the arithmetic of its context (`bw_known_answer_test`): call it once before the power
-/// stage is on. If the test fails, the samples stay, and no segment closes.
-///
-/// Returns `BW_CODE_OK`, `BW_CODE_SEGMENT` or `BW_CODE_SEGMENT_LOST` as `bw_collect` does, `BW_CODE_ARITHMETIC`, or
-/// `BW_CODE_BUSY` if it interrupted `bw_adopt`, `bw_restart` or the like: the samples then wait for the next call.
-///
-/// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. Only one context calls this function.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn bw_collect_waiting(state: *mut BwState) -> BwCode {
-    // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| state.sampling.with(|detector| take_all(state, detector)).flatten()))
-}
-
-fn take_all(state: &BwState, detector: &mut OwnDetector) -> Outcome {
-    if !state.waiting.tested.load(Ordering::Relaxed) {
-        known_answer_test().map_err(|_| BwCode::Arithmetic)?;
-        state.waiting.tested.store(true, Ordering::Relaxed);
-    }
-    let mut outcome = Ok(BwCode::Ok);
-    // SAFETY: this function holds the sampling half of the state.
-    while let Some(Put { sample, found_late, missed }) = unsafe { state.waiting.take() } {
-        if found_late && let Some(number) = detector.discard() {
-            state.doubted.store(number, Ordering::Relaxed);
-        }
-        if missed > 0 {
-            state.missed.store(state.missed.load(Ordering::Relaxed).saturating_add(missed), Ordering::Relaxed);
-        }
-        match take_into(state, detector, &sample) {
-            Ok(BwCode::Ok) => {}
-            closed => outcome = closed,
-        }
-    }
-    outcome
 }

@@ -25,7 +25,7 @@ const SOURCES: [&str; 23] = [
     "memory",
     "state",
     "sampling",
-    "waiting",
+    "below",
     "angle",
     "solving",
     "rate",

@@ -1,31 +1,14 @@
 //! The half between current loop and main loop: clean samples in, closed segments out.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::Ordering;
 
-use heapless::Deque;
-
+use super::link::{Link, Place, Queued, count};
 use super::slot::take;
-use super::{QUEUE, Watch};
-use crate::detector::{Detector, Exchange, Segment};
+use crate::detector::{Detector, Exchange};
 use crate::known_answers::known_answer_test;
 use crate::model::Model;
 use crate::plan::{MAX_CHANNELS, Plan, Signals as _};
 use crate::reason::Kernel;
-
-/// Room for a segment.
-pub(super) type Place<P> = &'static mut Segment<P>;
-
-/// Clean samples on their way from the current loop.
-pub(super) type Queue<P> = Deque<Queued<P>, QUEUE>;
-
-/// A clean sample, and what happened before it.
-pub(super) struct Queued<P: Plan> {
-    pub(super) sample: P::Sample,
-    /// A fault was found that began before this sample.
-    pub(super) found_late: bool,
-    /// Samples that were lost before this one.
-    pub(super) missed: u16,
-}
 
 /// Most lost samples that are made up for at once: more than the shaft bridges, so that everything starts anew.
 const MOST_MISSED: u16 = 16;
@@ -50,12 +33,12 @@ impl<P: Plan> Collector<P> {
     }
 
     /// Takes all samples of the queue; returns whether a segment has closed.
-    pub(super) fn run<F>(&mut self, watch: &Watch<P, F>) -> bool {
+    pub(super) fn run(&mut self, link: &Link<P>) -> bool {
         let right = *self.tested.get_or_insert_with(known_answer_test);
-        let mut closed = self.hand_over(watch);
-        while let Some(queued) = next(watch) {
+        let mut closed = self.hand_over(link);
+        while let Some(queued) = link.next() {
             if right.is_ok() {
-                closed |= self.take(watch, &queued);
+                closed |= self.take(link, &queued);
             }
         }
         closed
@@ -63,10 +46,10 @@ impl<P: Plan> Collector<P> {
 
     /// Gives the detector a sample, and before it samples without values for those that were lost: without them it
     /// would take the samples before and after the gap for neighbours.
-    fn take<F>(&mut self, watch: &Watch<P, F>, queued: &Queued<P>) -> bool {
+    fn take(&mut self, link: &Link<P>, queued: &Queued<P>) -> bool {
         let Queued { sample, found_late, missed } = queued;
         if *found_late && let Some(number) = self.detector.discard() {
-            watch.counters.doubted.store(number.wrapping_add(1), Ordering::Relaxed);
+            link.counters.doubted.store(number.wrapping_add(1), Ordering::Relaxed);
         }
         let gap = (*missed > 0).then(|| P::Sample::of(&[f32::NAN; MAX_CHANNELS], sample.angle()));
         let mut left = (*missed).min(MOST_MISSED);
@@ -75,18 +58,18 @@ impl<P: Plan> Collector<P> {
         loop {
             let next = if left == 0 { sample } else { gap.as_ref().unwrap_or(sample) };
             if self.spare.is_none() {
-                self.spare = take(&watch.spare);
+                self.spare = take(&link.spare);
             }
             match self.detector.exchange(next, &mut self.spare) {
                 Exchange::Open => {}
                 Exchange::Closed(place) => {
-                    count(&watch.counters.closed);
+                    count(&link.counters.closed);
                     self.finished = Some(place);
-                    closed |= self.hand_over(watch);
+                    closed |= self.hand_over(link);
                 }
-                Exchange::Lost => count(&watch.counters.lost_segments),
+                Exchange::Lost => count(&link.counters.lost_segments),
             }
-            count(&watch.counters.rows);
+            count(&link.counters.rows);
             if left == 0 {
                 return closed;
             }
@@ -95,9 +78,9 @@ impl<P: Plan> Collector<P> {
     }
 
     /// Gives a closed segment to the main loop, unless that holds the lock; there is one at a time.
-    fn hand_over<F>(&mut self, watch: &Watch<P, F>) -> bool {
+    fn hand_over(&mut self, link: &Link<P>) -> bool {
         let Some(place) = self.finished.take() else { return false };
-        match watch.closed.try_lock() {
+        match link.closed.try_lock() {
             Some(mut closed) => {
                 *closed = Some(place);
                 true
@@ -108,14 +91,4 @@ impl<P: Plan> Collector<P> {
             }
         }
     }
-}
-
-/// The oldest sample of the queue. A function of its own, so that the lock is free again when it returns.
-fn next<P: Plan, F>(watch: &Watch<P, F>) -> Option<Queued<P>> {
-    watch.queue.try_lock()?.pop_front()
-}
-
-/// Adds one, with wrap-around. By load and store: one context counts.
-pub(super) fn count(counter: &AtomicU32) {
-    counter.store(counter.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
 }

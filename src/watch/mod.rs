@@ -11,18 +11,19 @@
 //! [`QUEUE`] samples is full, a segment only if the main loop has not taken the one before; both are counted, and the
 //! detector treats lost samples as missing ones.
 
+mod calls;
 mod collector;
 mod inputs;
+mod link;
 mod slot;
 #[cfg(test)]
 mod tests;
 
 pub use inputs::StartError;
+pub use link::QUEUE;
 
 use core::fmt;
 use core::sync::atomic::{AtomicU32, Ordering};
-
-use try_lock::TryLock;
 
 use crate::alarm::StateError;
 use crate::detector::{Conclusion, Monitor, Segment};
@@ -31,12 +32,10 @@ use crate::model::Model;
 use crate::plan::Plan;
 use crate::reason::{Implausible, Kernel};
 use crate::signal::RateCheck;
-use collector::{Collector, Place, Queue};
+use collector::Collector;
 use inputs::Inputs;
+use link::{Counters, Link, Place};
 use slot::{Slot, take};
-
-/// Clean samples that wait for [`Watch::collect`] at most: it may come so many of their intervals late.
-pub const QUEUE: usize = 4;
 
 /// Milliseconds of a window of [`Watch::clock`]: two per cent of it are more than a main loop is late.
 const WINDOW_MS: u32 = 10_000;
@@ -66,28 +65,10 @@ const TOLERANCE: f32 = 0.02;
 /// ```
 pub struct Watch<P: Plan, F: 'static = ()> {
     inputs: Slot<Inputs<P, F>>,
-    queue: TryLock<Queue<P>>,
+    link: Link<P>,
     places: [Slot<Segment<P>>; 2],
     collector: Slot<Collector<P>>,
-    /// The place of a closed segment, on its way to the main loop, and a clear one on its way back.
-    closed: TryLock<Option<Place<P>>>,
-    spare: TryLock<Option<Place<P>>>,
     main: Slot<Main<P>>,
-    /// Those of the front end, for the main loop.
-    faults: Slot<Faults>,
-    counters: Counters,
-}
-
-/// What contexts tell each other by numbers alone.
-struct Counters {
-    /// Samples that the detector took.
-    rows: AtomicU32,
-    lost_samples: AtomicU32,
-    lost_segments: AtomicU32,
-    /// Closed segments, with wrap-around.
-    closed: AtomicU32,
-    /// Number of the segment that a fault has put in doubt, plus one: 0 for none.
-    doubted: AtomicU32,
 }
 
 /// What the main loop works on.
@@ -119,20 +100,10 @@ impl<P: Plan, F> Watch<P, F> {
     pub const fn new() -> Self {
         Self {
             inputs: Slot::new(),
-            queue: TryLock::new(Queue::new()),
+            link: Link::new(),
             places: [const { Slot::new() }; 2],
             collector: Slot::new(),
-            closed: TryLock::new(None),
-            spare: TryLock::new(None),
             main: Slot::new(),
-            faults: Slot::new(),
-            counters: Counters {
-                rows: AtomicU32::new(0),
-                lost_samples: AtomicU32::new(0),
-                lost_segments: AtomicU32::new(0),
-                closed: AtomicU32::new(0),
-                doubted: AtomicU32::new(0),
-            },
         }
     }
 
@@ -142,7 +113,7 @@ impl<P: Plan, F> Watch<P, F> {
         let clear = || Segment::new(model);
         let first = first.place(clear).ok_or(StartError::Started)?;
         let second = second.place(clear).ok_or(StartError::Started)?;
-        *self.spare.try_lock().ok_or(StartError::Started)? = Some(second);
+        *self.link.spare.try_lock().ok_or(StartError::Started)? = Some(second);
         let rate = RateCheck::new(1.0 / model.constants().sampling.interval_s, 1000.0, TOLERANCE, WINDOW_MS);
         let main = || Main { monitor: Monitor::new(model), rate, returned: None };
         let filled = self.main.fill(main) && self.collector.fill(|| Collector::new(model, first));
@@ -154,7 +125,7 @@ impl<P: Plan, F> Watch<P, F> {
     /// arithmetic of its context ([`known_answer_test`](crate::known_answer_test)), in some hundred thousand instructions: an
     /// interrupt has settings of the processor of its own. If it fails, no segment has a verdict.
     pub fn collect(&self) -> bool {
-        let closed = self.collector.with(|collector| collector.run(self));
+        let closed = self.collector.with(|collector| collector.run(&self.link));
         closed == Some(true)
     }
 
@@ -170,7 +141,7 @@ impl<P: Plan, F> Watch<P, F> {
             main.returned = self.give(place);
         }
         if !main.monitor.is_solving() {
-            let place = take(&self.closed)?;
+            let place = take(&self.link.closed)?;
             main.monitor.take_from(place);
             main.returned = self.give(place);
             return None;
@@ -183,7 +154,7 @@ impl<P: Plan, F> Watch<P, F> {
 
     /// Gives a place back to the interrupt; returns it if that holds the lock.
     fn give(&self, place: Place<P>) -> Option<Place<P>> {
-        match self.spare.try_lock() {
+        match self.link.spare.try_lock() {
             Some(mut spare) => spare.replace(place),
             None => Some(place),
         }
@@ -191,7 +162,7 @@ impl<P: Plan, F> Watch<P, F> {
 
     /// Withdraws a report that a fault has put in doubt.
     fn settle(&self, main: &mut Main<P>) {
-        main.monitor.withdraw(self.counters.doubted.load(Ordering::Relaxed).wrapping_sub(1));
+        main.monitor.withdraw(self.link.counters.doubted.load(Ordering::Relaxed).wrapping_sub(1));
     }
 
     /// Compares the number of samples with the clock of the firmware, in milliseconds with wrap-around. Call it in the
@@ -199,7 +170,7 @@ impl<P: Plan, F> Watch<P, F> {
     /// verdict ([`Implausible::Rate`]). Returns whether the rate is right with the call that closes a window of ten
     /// seconds.
     pub fn clock(&self, milliseconds: u32) -> Option<bool> {
-        let rows = self.counters.rows.load(Ordering::Relaxed);
+        let rows = self.link.counters.rows.load(Ordering::Relaxed);
         let check = |main: &mut Main<P>| {
             let right = main.rate.push(rows, milliseconds)?;
             main.monitor.refuse((!right).then_some(Implausible::Rate));
@@ -241,16 +212,16 @@ impl<P: Plan, F> Watch<P, F> {
     /// that is stopped. Returns `false` if [`Watch::collect`] runs.
     pub fn restart(&self) -> bool {
         self.main.with(|main| main.rate.restart());
-        let cleared = self.queue.try_lock().map(|mut queue| queue.clear()).is_some();
+        let cleared = self.link.queue.try_lock().map(|mut queue| queue.clear()).is_some();
         cleared && self.collector.with(|collector| collector.detector.restart()).is_some()
     }
 
     /// What was lost or refused.
     pub fn status(&self) -> Status {
         let of = |counter: &AtomicU32| counter.load(Ordering::Relaxed);
-        let Counters { rows, lost_samples, lost_segments, .. } = &self.counters;
+        let Counters { rows, lost_samples, lost_segments, .. } = &self.link.counters;
         Status {
-            faults: self.faults.with(|faults| *faults),
+            faults: self.link.faults.with(|faults| *faults),
             failed: self.collector.with(|collector| collector.failed()).flatten(),
             rows: of(rows),
             lost_samples: of(lost_samples),

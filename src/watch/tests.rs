@@ -109,7 +109,7 @@ fn a_context_that_interrupts_another_leaves_its_work_to_the_next_call() {
     let mut stream = samples(1.0).take(ROWS);
     while let Some(sample) = stream.next() {
         // The current loop comes while the lower interrupt takes from the queue.
-        let taking = watch.queue.try_lock();
+        let taking = watch.link.queue.try_lock();
         assert!(!watch.sample(sample), "the next call offers it");
         drop(taking);
         if let Some(next) = stream.next() {
@@ -117,13 +117,13 @@ fn a_context_that_interrupts_another_leaves_its_work_to_the_next_call() {
         }
         // The lower interrupt comes while the main loop hands a report back, or takes a place.
         watch.collector.with(|_| assert!(!watch.collect()));
-        let taking = watch.closed.try_lock();
+        let taking = watch.link.closed.try_lock();
         watch.collect();
         drop(taking);
         watch.collect();
         // And while the main loop is in its own call.
         watch.main.with(|_| assert!(concluded(watch).is_none() && watch.monitor(|_| ()).is_none()));
-        let giving = watch.spare.try_lock();
+        let giving = watch.link.spare.try_lock();
         reports.extend(concluded(watch));
         drop(giving);
         reports.extend(concluded(watch));

@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn the_template_has_the_files_of_the_book() -> Result<()> {
         let blocks = of_document(CHAPTER)?;
-        for name in ["Cargo.toml", ".cargo/config.toml", "src/detector.rs"] {
+        for name in ["Cargo.toml", ".cargo/config.toml", "src/main.rs"] {
             assert_eq!(template(name), named(&blocks, name)?.text, "{name}");
         }
         Ok(())

@@ -12,6 +12,8 @@ use crate::{child, workspace};
 
 /// How the name of a file with a licence starts.
 const STARTS: [&str; 5] = ["LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE"];
+/// The licence of a package that a user may take under the Apache licence, whose text has no name of an author.
+const DUAL: &str = "license = \"MIT OR Apache-2.0\"";
 /// The texts of the standard library, in the folder of the compiler.
 const OF_RUST: &str = "share/doc/rust/COPYRIGHT-library.html";
 
@@ -45,6 +47,11 @@ fn texts(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
                 found.push((name, fs::read(&path)?));
             }
         }
+    }
+    if found.is_empty() && fs::read_to_string(folder.join("Cargo.toml"))?.contains(DUAL) {
+        // A package of traits alone that forgot the texts: that of the second licence is the same for all.
+        let text = fs::read(workspace::root().join("LICENSE-APACHE"))?;
+        found.push(("LICENSE-APACHE".to_owned(), text));
     }
     Ok(found)
 }

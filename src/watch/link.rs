@@ -1,0 +1,81 @@
+//! What the contexts of a watch share: samples, places of segments and numbers on their way.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use heapless::Deque;
+use try_lock::TryLock;
+
+use super::slot::Slot;
+use crate::detector::Segment;
+use crate::drive::Faults;
+use crate::plan::Plan;
+
+/// Clean samples that wait for [`Watch::collect`](super::Watch::collect) at most: it may come so many of their intervals
+/// late.
+pub const QUEUE: usize = 4;
+
+/// Room for a segment.
+pub(super) type Place<P> = &'static mut Segment<P>;
+
+/// Clean samples on their way from the current loop.
+pub(super) type Queue<P> = Deque<Queued<P>, QUEUE>;
+
+/// A clean sample, and what happened before it.
+pub(super) struct Queued<P: Plan> {
+    pub(super) sample: P::Sample,
+    /// A fault was found that began before this sample.
+    pub(super) found_late: bool,
+    /// Samples that were lost before this one.
+    pub(super) missed: u16,
+}
+
+/// Between the contexts. Nothing waits for a lock.
+pub(super) struct Link<P: Plan> {
+    pub(super) queue: TryLock<Queue<P>>,
+    /// The place of a closed segment, on its way to the main loop, and a clear one on its way back.
+    pub(super) closed: TryLock<Option<Place<P>>>,
+    pub(super) spare: TryLock<Option<Place<P>>>,
+    /// Those of the front end, for the main loop.
+    pub(super) faults: Slot<Faults>,
+    pub(super) counters: Counters,
+}
+
+/// What contexts tell each other by numbers alone.
+pub(super) struct Counters {
+    /// Samples that the detector took.
+    pub(super) rows: AtomicU32,
+    pub(super) lost_samples: AtomicU32,
+    pub(super) lost_segments: AtomicU32,
+    /// Closed segments, with wrap-around.
+    pub(super) closed: AtomicU32,
+    /// Number of the segment that a fault has put in doubt, plus one: 0 for none.
+    pub(super) doubted: AtomicU32,
+}
+
+impl<P: Plan> Link<P> {
+    pub(super) const fn new() -> Self {
+        Self {
+            queue: TryLock::new(Queue::new()),
+            closed: TryLock::new(None),
+            spare: TryLock::new(None),
+            faults: Slot::new(),
+            counters: Counters {
+                rows: AtomicU32::new(0),
+                lost_samples: AtomicU32::new(0),
+                lost_segments: AtomicU32::new(0),
+                closed: AtomicU32::new(0),
+                doubted: AtomicU32::new(0),
+            },
+        }
+    }
+
+    /// The oldest sample of the queue. A function of its own, so that the lock is free again when it returns.
+    pub(super) fn next(&self) -> Option<Queued<P>> {
+        self.queue.try_lock()?.pop_front()
+    }
+}
+
+/// Adds one, with wrap-around. By load and store: one context counts.
+pub(super) fn count(counter: &AtomicU32) {
+    counter.store(counter.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+}
