@@ -3,7 +3,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use heapless::Deque;
-use try_lock::TryLock;
+use spin::mutex::SpinMutex as TryLock;
 
 use super::slot::Slot;
 use crate::detector::Segment;

@@ -122,8 +122,9 @@ impl<P: Plan, F> Watch<P, F> {
 
     /// Takes the samples that wait, at a lower priority than the current loop, or behind [`Watch::sample`] in the same
     /// interrupt. Returns whether a segment has closed, for a main loop that sleeps. The first call tests the
-    /// arithmetic of its context ([`known_answer_test`](crate::known_answer_test)), in some hundred thousand instructions: an
-    /// interrupt has settings of the processor of its own. If it fails, no segment has a verdict.
+    /// arithmetic of its context ([`known_answer_test`](crate::known_answer_test)), in some hundred thousand
+    /// instructions: an interrupt has settings of the processor of its own. If it fails, no segment has a verdict, and
+    /// [`Status::failed`] says why.
     pub fn collect(&self) -> bool {
         let closed = self.collector.with(|collector| collector.run(&self.link));
         closed == Some(true)

@@ -1,7 +1,7 @@
 //! A value in static memory that one context at a time works on.
 
+use spin::mutex::SpinMutex as TryLock;
 use static_cell::StaticCell;
-use try_lock::TryLock;
 
 /// Empty until it is filled. All bytes of an empty one are zero.
 pub(super) struct Slot<T: 'static> {
