@@ -82,7 +82,7 @@
 // exactly is needed.
 #define BW_STATE_SIZE 23552
 
-// Every address and length that the functions of a `BwFlash` get is a multiple of so many bytes: as many as the largest
+// Every address and length that the functions of a `BwFlash` get is a multiple of this number of bytes, the largest
 // word that a microcontroller programs at once.
 #define BW_FLASH_UNIT 32
 
@@ -1009,16 +1009,13 @@ BwCode bw_init(void *memory, size_t size, const uint8_t *model, size_t length, s
 // is `mark`, and gives its address in `state`. Nothing is read or checked when it runs: the compiler has done that. It
 // needs less memory than `bw_init`, little stack, and half of the flash.
 //
-// Returns `BW_CODE_OK`, `BW_CODE_MODEL_DOES_NOT_FIT` if the library was built with another model or with none, or what is
-// wrong with the memory.
+// Returns `BW_CODE_OK`, `BW_CODE_MODEL_DOES_NOT_FIT` if the library was built with another model or with none, or what
+// is wrong with the memory.
 //
 // # Safety
 // `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `state` is
 // NULL or writable. No other function works on the state.
-BwCode bw_init_own(void *memory,
-                   size_t size,
-                   uint32_t mark,
-                   struct BwState **state);
+BwCode bw_init_own(void *memory, size_t size, uint32_t mark, struct BwState **state);
 
 // Takes one sample in the sampling interrupt, in time that hardly depends on the data. `values` are the channels in
 // the order of the model, in the unit that each name says; `angle` is the shaft's (`bw_angle`), 0 if the model needs
@@ -1251,8 +1248,8 @@ BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 // bytes.
 BwCode bw_restore(struct BwState *state, const uint8_t *bytes, size_t length);
 
-// Erases ahead of the next `bw_flash_save`, which then only writes: at boot or at rest, since a chip that runs from the
-// bank that it erases stands still meanwhile, up to seconds for a large sector.
+// Erases ahead of the next `bw_flash_save`, which then only writes: at boot or at rest, since a chip that runs from
+// the bank that it erases stands still meanwhile, up to seconds for a large sector.
 //
 // Returns `BW_CODE_OK`, or `BW_CODE_FLASH_…`.
 //
@@ -1266,12 +1263,9 @@ BwCode bw_flash_prepare(const struct BwFlash *flash);
 // Returns `BW_CODE_OK`, what `bw_save` returns, or `BW_CODE_FLASH_…`.
 //
 // # Safety
-// `flash` is NULL or readable, and its functions keep what `BwFlash` says. `state` is as for `bw_save`. `buffer` is NULL
-// or has `size` writable bytes.
-BwCode bw_flash_save(const struct BwFlash *flash,
-                     struct BwState *state,
-                     uint8_t *buffer,
-                     size_t size);
+// `flash` is NULL or readable, and its functions keep what `BwFlash` says. `state` is as for `bw_save`. `buffer` is
+// NULL or has `size` writable bytes.
+BwCode bw_flash_save(const struct BwFlash *flash, struct BwState *state, uint8_t *buffer, size_t size);
 
 // Continues from the newest good record of this model in flash, as `bw_restore` does, and from the one before if the
 // newest is damaged or of another model. `buffer` has room for `bw_saved_size` bytes.

@@ -11,7 +11,7 @@ use crate::memory::{check, elements, elements_mut, get, put};
 use crate::saved::{restore, save};
 use crate::state::BwState;
 
-/// Every address and length that the functions of a `BwFlash` get is a multiple of so many bytes: as many as the largest
+/// Every address and length that the functions of a `BwFlash` get is a multiple of this number of bytes, the largest
 /// word that a microcontroller programs at once.
 pub const BW_FLASH_UNIT: usize = 32;
 
@@ -117,8 +117,8 @@ const fn label(model: u32) -> RecordLabel {
     RecordLabel { model, drive: Label::constant("") }
 }
 
-/// Erases ahead of the next `bw_flash_save`, which then only writes: at boot or at rest, since a chip that runs from the
-/// bank that it erases stands still meanwhile, up to seconds for a large sector.
+/// Erases ahead of the next `bw_flash_save`, which then only writes: at boot or at rest, since a chip that runs from
+/// the bank that it erases stands still meanwhile, up to seconds for a large sector.
 ///
 /// Returns `BW_CODE_OK`, or `BW_CODE_FLASH_…`.
 ///
@@ -139,8 +139,8 @@ pub unsafe extern "C" fn bw_flash_prepare(flash: *const BwFlash) -> BwCode {
 /// Returns `BW_CODE_OK`, what `bw_save` returns, or `BW_CODE_FLASH_…`.
 ///
 /// # Safety
-/// `flash` is NULL or readable, and its functions keep what `BwFlash` says. `state` is as for `bw_save`. `buffer` is NULL
-/// or has `size` writable bytes.
+/// `flash` is NULL or readable, and its functions keep what `BwFlash` says. `state` is as for `bw_save`. `buffer` is
+/// NULL or has `size` writable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_flash_save(
     flash: *const BwFlash,
@@ -177,26 +177,12 @@ pub unsafe extern "C" fn bw_flash_restore(
         // SAFETY: the same contract; no other reference to the bytes exists during this call.
         let buffer = unsafe { elements_mut(buffer, size) }?;
         let mut refused = None;
-        // SAFETY: the same contract.
-        let accept = |bytes: &[u8]| match unsafe { restore(state, bytes) } {
-            Ok(done) => Some(done),
-            Err(code) => {
-                refused.get_or_insert(code);
-                None
-            }
-        };
-        let outcome = load(&pair, &mut flash, buffer, accept);
-        outcome.map_err(|error| refused.unwrap_or(error))
+        let outcome = pair.load(&mut flash, buffer, |_, bytes| {
+            // SAFETY: the same contract.
+            unsafe { restore(state, bytes) }.inspect_err(|code| _ = refused.get_or_insert(*code)).ok()
+        });
+        outcome.map_err(|error| refused.unwrap_or_else(|| refusal(error)))
     }))
-}
-
-fn load<T>(
-    pair: &SlotPair<PAGE>,
-    flash: &mut Flash,
-    buffer: &mut [u8],
-    mut accept: impl FnMut(&[u8]) -> Option<T>,
-) -> Outcome<T> {
-    pair.load(flash, buffer, |_, bytes| accept(bytes)).map_err(refusal)
 }
 
 /// Stores the bytes of a model, with what follows it such as a signature, in the place of the older one.
@@ -235,7 +221,7 @@ pub unsafe extern "C" fn bw_flash_load_model(
         check(length)?;
         // SAFETY: the same contract; no other reference to the bytes exists during this call.
         let buffer = unsafe { elements_mut(buffer, size) }?;
-        let count = load(&pair, &mut flash, buffer, |bytes| Some(bytes.len()))?;
+        let count = pair.load(&mut flash, buffer, |_, bytes| Some(bytes.len())).map_err(refusal)?;
         // SAFETY: the same contract.
         unsafe { put(length, count) }.map(|()| BwCode::Ok)
     }))

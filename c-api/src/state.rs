@@ -68,10 +68,6 @@ pub(crate) type OwnDetector = Detector<'static, Own, &'static mut Segment<Own>>;
 /// What the main loop works on.
 pub(crate) type OwnMonitor = Monitor<'static, Own>;
 
-/// Milliseconds of a window of `bw_check_rate`: two per cent of it are more than a main loop is late.
-const WINDOW_MS: u32 = 10_000;
-const TOLERANCE: f32 = 0.02;
-
 /// No segment has this number.
 const NO_SEGMENT: u32 = u32::MAX;
 
@@ -244,8 +240,8 @@ unsafe fn init(
 /// is `mark`, and gives its address in `state`. Nothing is read or checked when it runs: the compiler has done that. It
 /// needs less memory than `bw_init`, little stack, and half of the flash.
 ///
-/// Returns `BW_CODE_OK`, `BW_CODE_MODEL_DOES_NOT_FIT` if the library was built with another model or with none, or what is
-/// wrong with the memory.
+/// Returns `BW_CODE_OK`, `BW_CODE_MODEL_DOES_NOT_FIT` if the library was built with another model or with none, or what
+/// is wrong with the memory.
 ///
 /// # Safety
 /// `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `state` is
@@ -294,7 +290,7 @@ unsafe fn fill(own: *mut BwState, model: &'static Model<Own>, state: *mut *mut B
         place_detector(own, model, open);
         place_monitor(own, model);
         let interval_s = model.constants().sampling.interval_s;
-        (&raw mut (*own).0.rate).write(Lock::new(RateCheck::new(1.0 / interval_s, 1000.0, TOLERANCE, WINDOW_MS)));
+        (&raw mut (*own).0.rate).write(Lock::new(RateCheck::of_milliseconds(interval_s)));
         (*own).0.tag.set(own);
         put(state, own)?;
     }

@@ -37,6 +37,12 @@ impl RateCheck {
         Self { rows_a_tick: rows_hz / ticks_hz, tolerance, window, begin: None, ratio: f32::NAN }
     }
 
+    /// For the rows of a model every `interval_s` and a clock of milliseconds: two per cent, of windows of ten seconds.
+    #[must_use]
+    pub const fn of_milliseconds(interval_s: f32) -> Self {
+        Self::new(1.0 / interval_s, 1000.0, 0.02, 10_000)
+    }
+
     /// Takes the number of rows so far and the clock, of one instant; both may wrap. Returns whether the rate is right
     /// with the call that closes a window: pass the opposite on to [`Monitor::refuse`](crate::Monitor::refuse).
     pub fn push(&mut self, rows: u32, ticks: u32) -> Option<bool> {

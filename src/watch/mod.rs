@@ -37,10 +37,6 @@ use inputs::Inputs;
 use link::{Counters, Link, Place};
 use slot::{Slot, take};
 
-/// Milliseconds of a window of [`Watch::clock`]: two per cent of it are more than a main loop is late.
-const WINDOW_MS: u32 = 10_000;
-const TOLERANCE: f32 = 0.02;
-
 /// Front end, detector and monitor of one drive. `train --rust` declares it as `WATCH`, with `F` the front end, or `()`
 /// for a drive that has quadrature current and velocity itself.
 ///
@@ -114,7 +110,7 @@ impl<P: Plan, F> Watch<P, F> {
         let first = first.place(clear).ok_or(StartError::Started)?;
         let second = second.place(clear).ok_or(StartError::Started)?;
         *self.link.spare.try_lock().ok_or(StartError::Started)? = Some(second);
-        let rate = RateCheck::new(1.0 / model.constants().sampling.interval_s, 1000.0, TOLERANCE, WINDOW_MS);
+        let rate = RateCheck::of_milliseconds(model.constants().sampling.interval_s);
         let main = || Main { monitor: Monitor::new(model), rate, returned: None };
         let filled = self.main.fill(main) && self.collector.fill(|| Collector::new(model, first));
         if filled { Ok(()) } else { Err(StartError::Started) }

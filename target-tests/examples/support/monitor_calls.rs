@@ -31,6 +31,7 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     opaque(Monitor::step(&mut other, detector, &sample()).is_some());
     opaque(Monitor::finish(&mut other, detector).alarm);
     Monitor::refuse(&mut other, opaque(Some(Implausible::Rate)));
+    opaque(RateCheck::of_milliseconds(opaque(0.002)));
     let mut rate = opaque(RateCheck::new(opaque(500.0), 1000.0, 0.02, opaque(2000)));
     opaque((RateCheck::push(&mut rate, opaque(1), opaque(2)), RateCheck::ratio(&rate)));
     RateCheck::restart(&mut rate);
