@@ -99,7 +99,7 @@ fn samples_that_find_no_place_are_counted_and_missing() {
     let lost: Vec<usize> = (0..codes.len()).filter(|k| codes[*k] == BwCode::SampleLost).collect();
     assert_eq!(lost, (1004..1011).collect::<Vec<_>>(), "four wait");
     let (parameters, rows, lost) = concluded(state);
-    // The next sample that finds a place tells of the fault.
+    // The next sample that finds a place carries the fault.
     assert_eq!((lost, (parameters, rows)), (7, alone(1004..1011, 1004)));
 }
 

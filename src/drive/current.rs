@@ -32,7 +32,8 @@ impl Phase {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PhaseCounts {
-    /// No counts: the quadrature current of the drive's own control, A, NaN if it is missing. Nothing checks its sensors.
+    /// No counts: the quadrature current of the drive's own control, A, NaN if it is missing. Nothing checks its
+    /// sensors.
     Quadrature(f32),
     /// Phases a and b, or b and c, or c and a, with the electrical offset of the first one; the third current is minus
     /// their sum, and nothing checks the sensors against each other.

@@ -81,7 +81,7 @@ impl<P: Plan, F> Inputs<P, F> {
         queue.is_some_and(|queue| !queue.is_empty())
     }
 
-    /// Drops the sample that was kept; the next one tells of it.
+    /// Drops the sample that was kept, and counts it for the next one.
     #[cold]
     #[inline(never)]
     fn lose(&mut self, link: &Link<P>) {

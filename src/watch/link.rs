@@ -10,8 +10,8 @@ use crate::detector::Segment;
 use crate::drive::Faults;
 use crate::plan::Plan;
 
-/// Clean samples that wait for [`Watch::collect`](super::Watch::collect) at most: it may come so many of their intervals
-/// late.
+/// Clean samples that wait for [`Watch::collect`](super::Watch::collect) at most: it may be late by this many of their
+/// intervals.
 pub const QUEUE: usize = 4;
 
 /// Room for a segment.

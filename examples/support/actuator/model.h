@@ -253,8 +253,8 @@ static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
 }
 /* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
-/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by a
- * clock that the timer of the samples does not make. */
+/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by
+ * a clock that the timer of the samples does not make. */
 static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
     return bw_check_rate(drive->detector, drive->samples, milliseconds);
 }

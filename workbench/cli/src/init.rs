@@ -28,7 +28,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// The recordings are counts at the control rate: also write the file of the front end that makes current, velocity
-    /// and angle of them, by what they tell of sensors and motor. By default front_end.toml beside the drive file
+    /// and angle of them, with the constants of sensors and motor that are found in them. By default front_end.toml
+    /// beside the drive file
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "front_end.toml")]
     front_end: Option<PathBuf>,
     /// Replace the files if they exist

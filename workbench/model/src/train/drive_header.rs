@@ -1,4 +1,4 @@
-//! One object for a drive, as part of the model's C header: what it reads by names, and the calls of its three contexts.
+//! One object for a drive, as part of the model's C header: what it reads, and the calls of its three contexts.
 
 use bearing_watch::model::Channel;
 
@@ -178,8 +178,8 @@ fn sample(out: &mut String, names: &[String], needs_angle: bool) {
 
 const BELOW: &str = "/* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
-/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by a
- * clock that the timer of the samples does not make. */
+/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by
+ * a clock that the timer of the samples does not make. */
 static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
     return bw_check_rate(drive->detector, drive->samples, milliseconds);
 }

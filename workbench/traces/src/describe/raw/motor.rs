@@ -17,14 +17,14 @@ use super::position::turned;
 
 /// Largest number of pole pairs that is tried.
 const MOST: i32 = 32;
-/// Least |S| of a current that turns with the rotor; how much better the best must be than any other is `BETTER`.
+/// Least |S| of a current that turns with the rotor, and by how much it must exceed that of any other number.
 const COHERENT: f64 = 0.6;
+const BETTER: f64 = 0.05;
 /// Of good signals it is nearly one.
 const SURE: f64 = 0.95;
 /// Time of a block, s, and the correlation of changes from which on it decides the sign.
 const BLOCK_S: f64 = 0.005;
 const SAYS: f64 = 0.2;
-const BETTER: f64 = 0.05;
 /// Samples that are taken at most.
 const SAMPLES: usize = 200_000;
 
@@ -89,19 +89,19 @@ impl Motor {
                 other.abs()
             ));
         }
-        let mut own = Self {
+        let mut motor = Self {
             pole_pairs: k.abs(),
             offset_rad: 0.5 * (-im).atan2(-re),
             coherence,
             reversed: k < 0,
             correlation: 0.0,
         };
-        own.correlation = own.correlation(amperes, angles_rad, rate_hz);
-        if own.correlation < 0.0 {
-            (own.offset_rad, own.correlation) = (own.offset_rad + PI, -own.correlation);
+        motor.correlation = motor.correlation(amperes, angles_rad, rate_hz);
+        if motor.correlation < 0.0 {
+            (motor.offset_rad, motor.correlation) = (motor.offset_rad + PI, -motor.correlation);
         }
-        own.offset_rad = turned(0.0, own.offset_rad);
-        Ok(own)
+        motor.offset_rad = turned(0.0, motor.offset_rad);
+        Ok(motor)
     }
 
     /// Of the changes of quadrature current and acceleration from block to block, in which a load that follows the
@@ -127,8 +127,8 @@ impl Motor {
         if by_acceleration.abs() > SAYS { by_acceleration } else { correlation(&currents, &velocities) }
     }
 
-    /// What the offsets of the phases are in error: the part of the direct current, which is constant by (1), that turns
-    /// against the rotor.
+    /// Errors of the offsets of the phases: the part of the direct current, which is constant by (1), that turns against
+    /// the rotor.
     ///
     /// ```text
     /// Re(i exp(−j(p θ + φ))) = c + Re(o exp(−j(p θ + φ)))                                    (3)

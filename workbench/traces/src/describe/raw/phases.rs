@@ -1,11 +1,11 @@
-//! What the columns of the currents tell of sensors and converter.
+//! Offsets, steps and noise of the current sensors, found in the columns of the currents.
 
 use std::collections::BTreeSet;
 
 use super::position::are_counts;
 
-/// Samples of a converter that count as stuck are so many times the longest repetition of the recording, and at least
-/// so many.
+/// A converter counts as stuck after this many times the longest repetition of the recordings, and after
+/// [`LEAST_STUCK`] samples at least.
 const REPETITIONS: usize = 20;
 const LEAST_STUCK: usize = 200;
 /// Time of a window of the balance of the currents, s.
@@ -67,10 +67,10 @@ impl Phases {
             let bits = bits_of(4.0 * largest / step).clamp(8, BITS);
             (vec![f64::from(1_u32 << (bits - 1)); columns.len()], step, bits)
         };
-        let own = |(column, offset): (&&[f64], &f64)| -> Vec<f64> {
+        let without_offset = |(column, offset): (&&[f64], &f64)| -> Vec<f64> {
             column.iter().map(|value| if are_counts { value - offset } else { *value }).collect()
         };
-        let amperes: Vec<Vec<f64>> = columns.iter().zip(&offsets).map(own).collect();
+        let amperes: Vec<Vec<f64>> = columns.iter().zip(&offsets).map(without_offset).collect();
         let noise = noise(&amperes).max(2.0 * gain_a);
         let stuck = (REPETITIONS * longest).max(LEAST_STUCK);
         Self {

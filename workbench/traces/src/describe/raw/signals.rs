@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use model::trace::words;
 
+use super::phases::mean;
+
 /// Places of the columns.
 #[derive(Debug, PartialEq)]
 pub(super) struct Signals {
@@ -61,23 +63,23 @@ fn phases(names: &[String], columns: &[Vec<f64>]) -> Option<Columns> {
                 [None, ..] => ([1, 2, 0], 1),
                 _ => ([0, 1, 2], 0),
             };
-            let found: Vec<usize> = order.iter().filter_map(|k| places[*k]).collect();
-            let alternate = found.iter().all(|place| alternates(&columns[*place]));
-            let rank = rank(&rest, &CURRENT).filter(|_| alternate && found.len() > 1);
+            let ordered: Vec<usize> = order.iter().filter_map(|k| places[*k]).collect();
+            let alternate = ordered.iter().all(|place| alternates(&columns[*place]));
+            let rank = rank(&rest, &CURRENT).filter(|_| alternate && ordered.len() > 1);
             let Some(rank) = rank else { continue };
-            let key = (3 - found.len(), rank);
+            let key = (3 - ordered.len(), rank);
             if best.as_ref().is_none_or(|(other, _)| key < *other) {
-                best = Some((key, (found, first)));
+                best = Some((key, (ordered, first)));
             }
         }
     }
-    best.map(|(_, found)| found)
+    best.map(|(_, columns)| columns)
 }
 
 /// The rest of a name without the word, or the last letter of a word, that is a phase.
 fn without_phase(name: &str, list: &[&str; 3]) -> Vec<(String, usize)> {
     let words = words(name);
-    let mut found = Vec::new();
+    let mut rests = Vec::new();
     for (k, word) in words.iter().enumerate() {
         let phase = list.iter().position(|phase| word == phase || (word.len() > 1 && word.ends_with(phase)));
         let Some(phase) = phase else { continue };
@@ -85,16 +87,16 @@ fn without_phase(name: &str, list: &[&str; 3]) -> Vec<(String, usize)> {
         // `ia` and `phase_a`, but not `alpha` for the phase a.
         if stem.is_empty() || CURRENT.contains(&stem) {
             let rest = words.iter().enumerate().map(|(j, other)| if j == k { stem } else { other.as_str() });
-            found.push((rest.filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" "), phase));
+            rests.push((rest.filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" "), phase));
         }
     }
-    found
+    rests
 }
 
 /// Whether a column changes its sign around its mean.
 fn alternates(column: &[f64]) -> bool {
     let known: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
-    let mean = known.iter().sum::<f64>() / known.len() as f64;
+    let mean = mean(column);
     let above = known.iter().filter(|value| **value > mean).count();
     above > known.len() / 20 && above < known.len() - known.len() / 20
 }
