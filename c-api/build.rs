@@ -9,11 +9,13 @@ const VARIABLE: &str = "BEARING_WATCH_PLAN";
 
 /// What the file contains if it has a front end.
 const FRONT_END: &str = "pub type DriveFrontEnd = ";
+/// What it contains if that takes the quadrature current of the drive's own control.
+const QUADRATURE: &str = "drive::PhaseCounts::Quadrature(";
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed={VARIABLE}");
-    println!("cargo::rustc-check-cfg=cfg(bearing_watch_plan, bearing_watch_front_end)");
+    println!("cargo::rustc-check-cfg=cfg(bearing_watch_plan, bearing_watch_front_end, bearing_watch_quadrature)");
     let file = env::var(VARIABLE).unwrap_or_default();
     if file.is_empty() {
         return;
@@ -25,6 +27,9 @@ fn main() {
         // It was trained with `--front-end`.
         if source.contains(FRONT_END) {
             println!("cargo::rustc-cfg=bearing_watch_front_end");
+            if source.contains(QUADRATURE) {
+                println!("cargo::rustc-cfg=bearing_watch_quadrature");
+            }
         }
         println!("cargo::rustc-env=BEARING_WATCH_PLAN_FILE={}", path.display());
     } else {

@@ -773,7 +773,8 @@ typedef struct BwRawSample {
   // Converter counts of the currents of phases a, b, c; c is not used with two phases.
   uint16_t counts[3];
   // Number of measured phases, 2 or 3. With two, the third current is minus the sum, and nothing checks the sensors
-  // against each other. 1 stands for `current_a` in the place of counts.
+  // against each other. 1 stands for `current_a` in the place of counts. A library for one plan takes only what that
+  // was trained with: counts, or a current.
   uint8_t phases;
   // What there is of the position, `BW_POSITION_…`.
   uint8_t position;
@@ -1042,7 +1043,8 @@ BwCode bw_collect(struct BwState *state, const float *values, size_t count, uint
 BwCode bw_step(struct BwState *state, const float *values, size_t count, uint32_t angle);
 
 // Starts the open segment afresh, for a stream that does not continue from the last sample: after a pause, or at
-// power-up of the motor. A closed segment, report and alarm remain. In the interrupt, or with the interrupt masked.
+// power-up of the motor. Samples that wait for `bw_collect_waiting` are dropped; a closed segment, report and alarm
+// remain. In the interrupt, or with the interrupt masked; that of `bw_put` is masked or stopped too.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
@@ -1127,10 +1129,10 @@ BwCode bw_conclude(struct BwState *state);
 BwCode bw_adopt(struct BwState *state);
 
 // Compares the number of samples that `bw_collect` was given so far with a clock, in milliseconds; both may wrap. Call
-// it in the main loop, as often as you like. If over ten seconds the samples did not come at the rate of the model, to
-// two per cent, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`) until they do. Rows that come twice, held or
-// interpolated, are found by nothing else. A pause of the
-// samples counts as a wrong rate.
+// it in the main loop, as often as you like; no time counts before the first sample. If over ten seconds the samples
+// did not come at the rate of the model, to two per cent, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`) until they
+// do. Rows that come twice, held or interpolated, are found by nothing else. A pause of the samples counts as a wrong
+// rate.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, or `BW_CODE_BUSY`.
 //

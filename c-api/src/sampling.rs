@@ -163,7 +163,8 @@ fn step(state: &BwState, sample: &Sample) -> Outcome {
 }
 
 /// Starts the open segment afresh, for a stream that does not continue from the last sample: after a pause, or at
-/// power-up of the motor. A closed segment, report and alarm remain. In the interrupt, or with the interrupt masked.
+/// power-up of the motor. Samples that wait for `bw_collect_waiting` are dropped; a closed segment, report and alarm
+/// remain. In the interrupt, or with the interrupt masked; that of `bw_put` is masked or stopped too.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
@@ -173,6 +174,8 @@ pub unsafe extern "C" fn bw_restart(state: *mut BwState) -> BwCode {
     let found = unsafe { at(state) };
     let restart = |state: &BwState| {
         state.sampling.with(|detector| {
+            // SAFETY: only the holder of the sampling half takes samples from the queue.
+            unsafe { state.waiting.clear() };
             state.missed.store(0, Ordering::Relaxed);
             detector.restart();
         })

@@ -86,9 +86,15 @@ impl BwState {
     /// [`BwCode::Busy`].
     pub(crate) fn settled<R>(&self, work: impl FnOnce(&mut OwnMonitor) -> R) -> Outcome<R> {
         self.solving.with(|monitor| {
-            monitor.withdraw(self.doubted.load(Ordering::Relaxed));
+            self.settle(monitor);
             work(monitor)
         })
+    }
+
+    // Here once, for all kinds of work.
+    #[inline(never)]
+    fn settle(&self, monitor: &mut OwnMonitor) {
+        monitor.withdraw(self.doubted.load(Ordering::Relaxed));
     }
 }
 

@@ -86,4 +86,17 @@ impl<T> Waiting<T> {
         self.taken.store(number.wrapping_add(1), Ordering::Release);
         put
     }
+
+    /// Forgets all samples that wait, and what the next one would tell of those before it.
+    ///
+    /// # Safety
+    /// No call of [`Self::take`] at the same time.
+    pub(crate) unsafe fn clear(&self) {
+        for _ in 0..PLACES {
+            // SAFETY: the same contract.
+            let _forgotten = unsafe { self.take() };
+        }
+        self.missed.store(0, Ordering::Relaxed);
+        self.found_late.store(false, Ordering::Relaxed);
+    }
 }

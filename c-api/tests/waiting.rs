@@ -104,6 +104,29 @@ fn samples_that_find_no_place_are_counted_and_missing() {
 }
 
 #[test]
+fn a_restart_drops_what_waits_and_what_was_lost() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("a good model");
+    let rows = rows();
+    for row in rows.iter().take(3) {
+        put(state, row, false);
+    }
+    collect(state);
+    // Four wait, and the fifth is lost, with a fault that the next one would tell of.
+    let codes: Vec<BwCode> = rows.iter().skip(3).take(5).map(|row| put(state, row, true)).collect();
+    assert_eq!(codes.last(), Some(&BwCode::SampleLost));
+    // SAFETY: the state is initialised.
+    assert_eq!(unsafe { bw_restart(state) }, BwCode::Ok);
+    assert_eq!(collect(state), BwCode::Ok, "nothing waits");
+    for row in &rows {
+        put(state, row, false);
+        collect(state);
+    }
+    let (parameters, taken, lost) = concluded(state);
+    assert_eq!((lost, (parameters, taken)), (1, alone(0..0, usize::MAX)));
+}
+
+#[test]
 fn wrong_calls_are_refused() {
     let mut memory = Memory::new();
     let state = memory.state(FILE).expect("a good model");

@@ -14,9 +14,9 @@
 /// use bearing_watch::RateCheck;
 /// // A model of 1 kHz, a tick of 1 ms, 2 % and ten seconds.
 /// let mut rate = RateCheck::new(1000.0, 1000.0, 0.02, 10_000);
-/// assert_eq!(rate.push(0, 500), None);
-/// assert_eq!(rate.push(10_010, 10_500), Some(true));
-/// assert_eq!(rate.push(30_010, 20_500), Some(false)); // twice as many rows
+/// assert_eq!(rate.push(10, 500), None);
+/// assert_eq!(rate.push(10_020, 10_500), Some(true));
+/// assert_eq!(rate.push(30_020, 20_500), Some(false)); // twice as many rows
 /// assert!((rate.ratio() - 2.0).abs() < 1e-3);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,9 +43,14 @@ impl RateCheck {
         Self::new(1.0 / interval_s, 1000.0, 0.02, 10_000)
     }
 
-    /// Takes the number of rows so far and the clock, of one instant; both may wrap. Returns whether the rate is right
-    /// with the call that closes a window: pass the opposite on to [`Monitor::refuse`](crate::Monitor::refuse).
+    /// Takes the number of rows so far and the clock, of one instant; both may wrap. The first window starts with the
+    /// first row: before it, a drive checks its wiring or waits. Returns whether the rate is right with the call that
+    /// closes a window: pass the opposite on to [`Monitor::refuse`](crate::Monitor::refuse).
     pub fn push(&mut self, rows: u32, ticks: u32) -> Option<bool> {
+        if rows == 0 {
+            self.begin = None;
+            return None;
+        }
         let [first_row, first_tick] = *self.begin.get_or_insert([rows, ticks]);
         let passed = ticks.wrapping_sub(first_tick);
         if passed < self.window.max(1) {
@@ -74,6 +79,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn time_before_the_first_row_does_not_count() {
+        let mut check = RateCheck::of_milliseconds(1e-3);
+        let mut pushed = (0..100_u32).filter_map(|second| check.push(1000 * second.saturating_sub(35), 1000 * second));
+        assert!(pushed.all(|right| right));
+        assert!((check.ratio() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
     fn wrong_rates_are_found_across_the_wrap_of_both_counters() {
         for (rows, right) in [(1000_u32, true), (1019, true), (1021, false), (981, true), (979, false), (2000, false)] {
             let mut rate = RateCheck::new(500.0, 1000.0, 0.02, 2000);
@@ -91,10 +104,10 @@ mod tests {
     #[test]
     fn a_pause_is_left_out_and_constants_that_are_not_numbers_pass_nothing() {
         let mut rate = RateCheck::new(500.0, 1000.0, 0.02, 1000);
-        assert_eq!(rate.push(0, 0), None);
+        assert_eq!(rate.push(7, 0), None);
         rate.restart();
         assert_eq!([rate.push(10, 100_000), rate.push(510, 101_000)], [None, Some(true)]);
         let mut wrong = RateCheck::new(f32::NAN, 0.0, 0.02, 0);
-        assert_eq!([wrong.push(0, 0), wrong.push(1, 1)], [None, Some(false)]);
+        assert_eq!([wrong.push(1, 0), wrong.push(2, 1)], [None, Some(false)]);
     }
 }

@@ -9,7 +9,7 @@ use crate::board::{DRIVE, DRIVE_FLAGS};
 use crate::stages::Stages;
 use crate::tally::Tally;
 use crate::toolchain::Way;
-use crate::{c_symbols, child, elf, firmware, pil, qemu, target, workspace};
+use crate::{c_link, c_symbols, child, elf, firmware, pil, qemu, target, workspace};
 
 /// What Rust prints of numbers that the C interface does not give: the variance of the residual and the covariance, and
 /// the hash of all numbers.
@@ -180,6 +180,8 @@ pub fn run(way: Way) -> Result<bool> {
             qemu::run(&program, DRIVE.machine, qemu::Echo::On)?;
         }
     }
+    println!("\nlibrary for one plan, built for size");
+    println!("a whole drive adds {}", c_link::whole_drive(&of_actuator_for_size(way)?)?);
     Ok(stages.end())
 }
 
@@ -189,7 +191,9 @@ pub fn checks(tally: &mut Tally, way: Way) {
         let title = format!("{} as {} with the library for {}", example.name(), language.name(), plan.name());
         tally.check(&title, target::brief(check(way, plan, example, language)));
     }
-    let outcome = of_example(way).and_then(|library| c_symbols::orders(&library));
+    let outcome = of_actuator(way).and_then(|library| c_link::bounded_drive(&library));
+    tally.check("what a whole drive adds to a program", target::brief(outcome));
+    let outcome = of_example(way).and_then(|library| c_link::orders(&library));
     tally.check("a program has the same functions of newlib with the library, in any order", target::brief(outcome));
 }
 
@@ -210,6 +214,15 @@ fn check(way: Way, plan: Plan, example: Example, language: Language) -> Result<S
 /// The library for the plan of the standard rig.
 pub fn of_example(way: Way) -> Result<PathBuf> {
     firmware::build_c_library(way, DRIVE, &Plan::Exported(Model::StandardRig).file(), "")
+}
+
+/// The library for the plan of the simulated actuator.
+fn of_actuator(way: Way) -> Result<PathBuf> {
+    firmware::build_c_library(way, DRIVE, &Plan::Exported(Model::Actuator).file(), "")
+}
+
+fn of_actuator_for_size(way: Way) -> Result<PathBuf> {
+    firmware::build_smallest_c_library(way, DRIVE, &Plan::Exported(Model::Actuator).file())
 }
 
 /// Where objects and programs are put.

@@ -90,6 +90,37 @@ pub fn global_sizes(path: &Path, names: &[&str]) -> Result<BTreeMap<String, u64>
     Ok(sizes.filter(|(name, _)| names.contains(&name.as_str())).collect())
 }
 
+/// Bytes of code and constants by the part of the program that they belong to: for functions of Rust the module below the
+/// crate, for the interface of the C library `bw_`, for all others `other`.
+pub fn parts(path: &Path) -> Result<BTreeMap<String, u64>> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file =
+        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let mut parts = BTreeMap::new();
+    for symbol in file.symbols().filter(|symbol| symbol.is_definition() && symbol.address() < u64::from(RAM)) {
+        *parts.entry(part(symbol.name().unwrap_or_default())).or_default() += symbol.size();
+    }
+    Ok(parts)
+}
+
+/// The part of a mangled name, where crate and module stand behind their lengths: `…13bearing_watch5shaft…`.
+fn part(name: &str) -> String {
+    const CRATES: [&str; 2] = ["15bearing_watch_c", "13bearing_watch"];
+    if name.starts_with("bw_") {
+        return "bw_".into();
+    }
+    // The first crate in the name is that of the function; others are those of its types.
+    let behind = CRATES.iter().filter_map(|of_crate| name.split_once(of_crate)).map(|(_, rest)| rest);
+    let behind = behind.max_by_key(|rest| rest.len());
+    let module = behind.and_then(|rest| {
+        let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let (length, rest) = rest.split_at(digits);
+        // A name that starts with a digit or an underscore has one more before it.
+        rest.trim_start_matches('_').get(..length.parse().ok()?)
+    });
+    module.unwrap_or("other").into()
+}
+
 impl Sizes {
     const fn add(&mut self, address: u32, size: u64, stored: bool) {
         if stored {
@@ -104,6 +135,14 @@ impl Sizes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mangled_name_tells_its_module() {
+        let name = "_RNvMs_NtNtCs5K_13bearing_watch5shaft5stateINtB4_5ShaftNtNtCs1_15bearing_watch_c4plan5DriveE4step";
+        assert_eq!(part("_RNvNtCs1_13bearing_watch13known_answers10transforms"), "known_answers");
+        assert_eq!([part("bw_init"), part("memcpy"), part("_RNvCs1_4libm4expf")], ["bw_", "other", "other"]);
+        assert_eq!(part(name), "shaft");
+    }
 
     #[test]
     fn initialised_data_count_twice() {

@@ -31,6 +31,9 @@ pub const MEASURING: &str = "target-tests/examples";
 /// Names the model of the example `drive`, see `build.rs`.
 pub const MODEL: &str = "BEARING_WATCH_MODEL";
 
+/// The profile of firmware that has to be small: the whole program is optimised at once.
+const SMALLEST: [&str; 3] = [r#"opt-level="s""#, r#"lto="fat""#, "codegen-units=1"];
+
 /// Builds one example in release and returns its ELF file. Boards of one target share the place of that file: use it
 /// before you build for another.
 pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
@@ -60,7 +63,7 @@ pub fn build_small(way: Way, board: Board, example: &str) -> Result<PathBuf> {
 /// Builds one example with the profile of firmware that has to be small: `opt-level = "s"`, and the whole program
 /// optimised at once. Returns its ELF file, which replaces the one of [`build`].
 pub fn build_smallest(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    build_with(way, board, example, &[r#"opt-level="s""#, r#"lto="fat""#, "codegen-units=1"].map(String::from))
+    build_with(way, board, example, &SMALLEST.map(String::from))
 }
 
 /// Builds one example with further settings of the profile.
@@ -96,15 +99,35 @@ pub fn check_all_features(way: Way, board: Board) -> Result<()> {
 /// Builds the C interface as a static library that exports nothing else, for an exported plan or, if that is empty, for
 /// any model; returns its file, which is the same for all plans and features.
 pub fn build_c_library(way: Way, board: Board, plan: &str, features: &str) -> Result<PathBuf> {
+    c_library((way, board), plan, &["--features", features])
+}
+
+/// The same with the profile of firmware that has to be small.
+pub fn build_smallest_c_library(way: Way, board: Board, plan: &str) -> Result<PathBuf> {
+    let settings = SMALLEST.map(|setting| format!("--config=profile.release.{setting}"));
+    c_library((way, board), plan, &settings.each_ref().map(String::as_str))
+}
+
+fn c_library((way, board): (Way, Board), plan: &str, arguments: &[&str]) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, board);
     cargo.env("BEARING_WATCH_PLAN", plan);
-    child::succeed(cargo.args(["--package", "bearing-watch-c", "--lib", "--features", features]))?;
+    child::succeed(cargo.args(["--package", "bearing-watch-c", "--lib"]).args(arguments))?;
     c_symbols::export("arm-none-eabi-", &existing(folder.join("libbearing_watch_c.a"))?)
 }
 
 /// Builds a crate outside the workspace, in its folder and with its configuration, and returns its ELF file.
 pub fn build_crate(way: Way, folder: &Path, name: &str) -> Result<PathBuf> {
+    built_in(cargo(way, DRIVE), folder, name)
+}
+
+/// The same with the model of a source file.
+pub fn build_crate_with_model(way: Way, folder: &Path, name: &str, source: &Path) -> Result<PathBuf> {
     let (mut cargo, built) = cargo(way, DRIVE);
+    cargo.env(MODEL, source);
+    built_in((cargo, built), folder, name)
+}
+
+fn built_in((mut cargo, built): (Command, PathBuf), folder: &Path, name: &str) -> Result<PathBuf> {
     child::succeed(cargo.current_dir(folder))?;
     existing(built.join(name))
 }

@@ -1,4 +1,5 @@
-//! `cargo xtask frameworks`: the drive monitor under RTIC and embassy, in the emulated chip.
+//! `cargo xtask frameworks`: the drive monitor under RTIC and embassy, and beside another crate's current loop, in the
+//! emulated chip.
 
 use anyhow::{Result, ensure};
 
@@ -7,7 +8,7 @@ use crate::stages::Stages;
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::toolchain::Way;
-use crate::{firmware, on_board, pil, qemu, workspace};
+use crate::{closed_loop, firmware, on_board, pil, qemu, workspace};
 
 /// The crates in the folder `frameworks`; their packages have the prefix `drive-`.
 const CRATES: [&str; 2] = ["rtic", "embassy"];
@@ -25,6 +26,7 @@ pub fn checks(tally: &mut Tally, way: Way) {
         let title = format!("drive under {name}");
         tally.check(&title, brief(compare(way, name)));
     }
+    tally.check("a foreign drive in closed loop", brief(closed_loop::run(way)));
     tally.check("tests for boards", brief(on_board::run(way)));
 }
 

@@ -6,10 +6,12 @@ mod board;
 mod book;
 mod bounds;
 mod c_library;
+mod c_link;
 mod c_symbols;
 mod child;
 #[cfg(test)]
 mod circles;
+mod closed_loop;
 mod coverage;
 mod cycles;
 mod dependencies;

@@ -35,7 +35,7 @@ pub fn checks(tally: &mut Tally) {
     let (before, mut report) = (tally.failed, Pytest::default());
     // Not in the folder of the package, whose source would go before the installed wheel.
     let tests = package().join("tests");
-    let mut pytest = python(&ready, &["-m", "pytest", "-rs", "-q", "-p", "no:cacheprovider"], &tests);
+    let mut pytest = python(&ready, &["-m", "pytest", "-rfEs", "-q", "-p", "no:cacheprovider"], &tests);
     let status = child::lines(pytest.env("BEARING_WATCH_PROGRAM", program), |line| {
         println!("{line}");
         report.read(line, tally);

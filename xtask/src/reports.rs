@@ -1,19 +1,23 @@
-//! Reading what libtest and pytest print: counts, and the names of tests that were not made.
+//! Reading what libtest and pytest print: counts, and the names of tests that failed or were not made.
 
-use crate::tally::{Left, Tally};
+use crate::tally::{Named, Tally};
 
 /// What a test prints that cannot be made without something; it passes for libtest.
 const SKIPPED: &str = "skipped: ";
+/// Lines of a failed test's output that are its reason: where it panicked, and what it says.
+const REASON_LINES: usize = 6;
 
 /// Reads the lines of `cargo test -- --show-output`.
 #[derive(Debug, Default)]
 pub struct Libtest {
-    /// The passed test whose output follows.
+    /// The test whose output follows.
     test: Option<String>,
     /// Whether outputs of failed tests follow.
     failures: bool,
     /// Passed tests of this program that say that they were skipped.
-    skipped: Vec<Left>,
+    skipped: Vec<Named>,
+    /// Failed tests of this program, and the last lines of their outputs.
+    failed: Vec<(String, Vec<String>)>,
 }
 
 impl Libtest {
@@ -26,12 +30,21 @@ impl Libtest {
             tally.name(test, reason.strip_prefix(", ").unwrap_or("ignored"));
         } else if line == "successes:" || line == "failures:" {
             (self.failures, self.test) = (line == "failures:", None);
+        } else if let Some(test) = line.strip_prefix("test ").and_then(|rest| rest.strip_suffix(" ... FAILED")) {
+            self.failed.push((test.to_owned(), Vec::new()));
         } else if let Some(test) = output {
-            self.test = (!self.failures).then(|| test.to_owned());
-        } else if let (Some(reason), Some(test)) = (line.strip_prefix(SKIPPED), &self.test) {
-            // A test is skipped once, for its first reason.
-            if self.skipped.iter().all(|left| left.what != *test) {
-                self.skipped.push(Left { what: test.clone(), reason: reason.to_owned() });
+            self.test = Some(test.to_owned());
+        } else if let Some(test) = &self.test {
+            match line.strip_prefix(SKIPPED) {
+                _ if self.failures => {
+                    let of_test = self.failed.iter_mut().find(|(name, _)| name == test);
+                    of_test.into_iter().for_each(|(_, lines)| lines.push(line.to_owned()));
+                }
+                // A test is skipped once, for its first reason.
+                Some(reason) if self.skipped.iter().all(|left| left.what != *test) => {
+                    self.skipped.push(Named::new(test, reason));
+                }
+                _ => {}
             }
         }
     }
@@ -47,18 +60,25 @@ impl Libtest {
                 other => number = other.parse().unwrap_or(0),
             }
         }
-        for Left { what, reason } in std::mem::take(self).skipped {
+        let Self { skipped, failed, .. } = std::mem::take(self);
+        for (test, lines) in failed {
+            // What a test prints before it panics can be long.
+            let panicked = lines.iter().position(|line| line.contains("panicked at")).unwrap_or(0);
+            let reason = lines.into_iter().skip(panicked).take(REASON_LINES).collect::<Vec<_>>().join(" ");
+            tally.broken.push(Named::new(&test, &reason));
+        }
+        for Named { what, reason } in skipped {
             tally.passed = tally.passed.saturating_sub(1);
             tally.missing(&what, &reason);
         }
     }
 }
 
-/// Reads the lines of `pytest -rs`.
+/// Reads the lines of `pytest -rfEs`.
 #[derive(Debug, Default)]
 pub struct Pytest {
     /// Skipped tests, and how many a line stands for.
-    skipped: Vec<(Left, u64)>,
+    skipped: Vec<(Named, u64)>,
 }
 
 impl Pytest {
@@ -66,8 +86,12 @@ impl Pytest {
         // `SKIPPED [2] tests/test_x.py:12: reason`
         if let Some((number, rest)) = line.strip_prefix("SKIPPED [").and_then(|rest| rest.split_once("] ")) {
             let (what, reason) = rest.split_once(": ").unwrap_or((rest, "skipped"));
-            let left = Left { what: what.to_owned(), reason: reason.to_owned() };
-            return self.skipped.push((left, number.parse().unwrap_or(1)));
+            return self.skipped.push((Named::new(what, reason), number.parse().unwrap_or(1)));
+        }
+        // `FAILED tests/test_x.py::test_y - assert 1 == 2`
+        if let Some(rest) = line.strip_prefix("FAILED ").or_else(|| line.strip_prefix("ERROR ")) {
+            let (what, reason) = rest.split_once(" - ").unwrap_or((rest, ""));
+            return tally.broken.push(Named::new(what, reason));
         }
         if let Some(counts) = counts(line) {
             self.end(counts, tally);
@@ -121,10 +145,13 @@ mod tests {
         let tally = of_libtest(
             "test a ... ok\ntest b ... ignored, takes minutes\ntest c ... ignored\n\
              test result: ok. 5 passed; 0 failed; 2 ignored; 0 measured; 1 filtered out; finished in 0.00s\n\
+             test d ... FAILED\n\nfailures:\n\n---- d stdout ----\n3 %\n\nthread 'd' panicked at d.rs:3:5:\nno\n\n\
+             failures:\n    d\n\n\
              test result: FAILED. 1 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.20s\n",
         );
         assert_eq!(tally.to_string(), "6 passed, 3 failed, 2 skipped");
-        assert_eq!(tally.list(), "not checked:\n  b: takes minutes\n  c: ignored\n");
+        let failed = "failed:\n  d: thread 'd' panicked at d.rs:3:5: no\n";
+        assert_eq!(tally.list(), format!("not checked:\n  b: takes minutes\n  c: ignored\n{failed}"));
     }
 
     #[test]
@@ -137,17 +164,19 @@ mod tests {
         );
         // In continuous integration it has failed.
         assert_eq!((tally.passed, tally.failed + tally.skipped), (5, 2));
-        assert_eq!(tally.list(), "not checked:\n  a: no data\n");
+        assert_eq!(tally.left, [Named::new("a", "no data")]);
     }
 
     #[test]
     fn the_last_line_of_pytest_adds_up_and_skipped_tests_are_named() {
         let (mut pytest, mut tally) = (Pytest::default(), Tally::default());
         let text = "tests/test_x.py ....    [ 12%]\n9 bottles hang in 3 rows\nSKIPPED [1] tests/t.py:5: no numpy\n\
+                    FAILED tests/t.py::test_a - assert 1 == 2\nERROR tests/t.py\n\
                     = 2 failed, 121 passed, 1 skipped, 3 xfailed, 4 warnings, 1 error in 405.51s (0:06:45) =\n\
                     5 passed, 1 skipped in 1.20s\n";
         text.lines().for_each(|line| pytest.read(line, &mut tally));
         assert_eq!((tally.passed, tally.failed + tally.skipped), (129, 5));
-        assert_eq!(tally.list(), "not checked:\n  tests/t.py:5: no numpy\n");
+        assert_eq!(tally.left, [Named::new("tests/t.py:5", "no numpy")]);
+        assert!(tally.list().contains("failed:\n  tests/t.py::test_a: assert 1 == 2\n  tests/t.py\n"));
     }
 }

@@ -4,12 +4,14 @@ use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use crate::child;
-use crate::tally::{Left, Tally};
+use crate::tally::{Named, Tally};
 
 /// What a line of [`Stages::rows`] starts with.
 const ROW: &str = "stage\t";
 /// What a line with a check that was not made starts with.
 const LEFT: &str = "left\t";
+/// What a line with a check that failed starts with.
+const BROKEN: &str = "broken\t";
 
 /// A stage that has ended.
 #[derive(Debug)]
@@ -44,22 +46,30 @@ impl Stages {
     pub fn rows(&self) -> String {
         let mut text = String::new();
         for Stage { title, tally, time, processor } in &self.done {
-            let Tally { passed, failed, skipped, left } = tally;
+            let Tally { passed, failed, skipped, broken, left } = tally;
             let (time, processor) = (time.as_millis(), processor.map(|time| time.as_millis().to_string()));
             let processor = processor.unwrap_or_default();
             let _string_grows = writeln!(text, "{ROW}{title}\t{passed}\t{failed}\t{skipped}\t{time}\t{processor}");
-            for Left { what, reason } in left {
-                let _string_grows = writeln!(text, "{LEFT}{what}\t{reason}");
+            for (start, checks) in [(LEFT, left), (BROKEN, broken)] {
+                for Named { what, reason } in checks {
+                    let _string_grows = writeln!(text, "{start}{what}\t{reason}");
+                }
             }
         }
         text
     }
 
-    /// Adds a stage of another process, or the name of a check that was not made to the last stage; whether the line is
-    /// one of [`Stages::rows`].
+    /// Adds a stage of another process, or the name of a check that failed or was not made to the last stage; whether
+    /// the line is one of [`Stages::rows`].
     pub fn take_row(&mut self, line: &str) -> bool {
-        if let Some((what, reason)) = line.strip_prefix(LEFT).and_then(|rest| rest.split_once('\t')) {
-            return self.done.last_mut().map(|stage| stage.tally.name(what, reason)).is_some();
+        let named = |start| line.strip_prefix(start).and_then(|rest| rest.split_once('\t'));
+        if let (Some((what, reason)), Some(stage)) = (named(LEFT), self.done.last_mut()) {
+            stage.tally.name(what, reason);
+            return true;
+        }
+        if let (Some((what, reason)), Some(stage)) = (named(BROKEN), self.done.last_mut()) {
+            stage.tally.broken.push(Named::new(what, reason));
+            return true;
         }
         let Some(row) = line.strip_prefix(ROW) else { return false };
         let cells: Vec<&str> = row.split('\t').collect();
@@ -68,7 +78,7 @@ impl Stages {
         let (Some(title), [Some(passed), Some(failed), Some(skipped), Some(ms)]) = (cells.first(), counts) else {
             return false;
         };
-        let tally = Tally { passed, failed, skipped, left: Vec::new() };
+        let tally = Tally { passed, failed, skipped, ..Tally::default() };
         let (time, processor) = (Duration::from_millis(ms), number(5).map(Duration::from_millis));
         self.done.push(Stage { title: (*title).to_owned(), tally, time, processor });
         true
@@ -83,7 +93,7 @@ impl Stages {
         total
     }
 
-    /// Prints what was not checked, the table and, as the last line, the count; whether nothing failed.
+    /// Prints the table, what was not checked, what failed and, as the last line, the count; whether nothing failed.
     pub fn end(&self) -> bool {
         let total = self.total();
         println!("\n{}\n{}{total}", self.table(), total.list());
@@ -127,11 +137,14 @@ mod tests {
     fn stages_of_another_process_are_added() {
         let mut other = Stages::default();
         other.stage("of a, b", |tally| tally.check::<_, &str>("a", Ok("")));
-        other.stage("two", |tally| tally.skip("c", "not here"));
+        other.stage("two", |tally| {
+            tally.skip("c", "not here");
+            tally.check::<&str, _>("d", Err("at 3\n  of 4"));
+        });
         let mut stages = Stages::default();
-        assert_eq!(other.rows().lines().filter(|line| stages.take_row(line)).count(), 3);
-        assert_eq!(stages.total().to_string(), "1 passed, 0 failed, 1 skipped");
-        assert_eq!(stages.total().list(), "not checked:\n  c: not here\n");
+        assert_eq!(other.rows().lines().filter(|line| stages.take_row(line)).count(), 4);
+        assert_eq!(stages.total().to_string(), "1 passed, 1 failed, 1 skipped");
+        assert_eq!(stages.total().list(), "not checked:\n  c: not here\nfailed:\n  d: at 3 of 4\n");
         assert!(stages.table().contains("of a, b"));
         let mut known = Stages::default();
         assert!(known.take_row("stage\tone\t1\t0\t0\t4000\t7000"));

@@ -1,7 +1,10 @@
-//! Counting what passed, and the names of what was left out.
+//! Counting what passed, and the names of what failed or was left out.
 
 use std::env;
 use std::fmt;
+
+/// Most characters of a reason in a list; the whole one stands where the check was made.
+const LONGEST_REASON: usize = 400;
 
 /// How many checks ended how.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -9,15 +12,29 @@ pub struct Tally {
     pub passed: u64,
     pub failed: u64,
     pub skipped: u64,
+    /// Checks that failed, by name.
+    pub broken: Vec<Named>,
     /// Checks that were not made, by name.
-    pub left: Vec<Left>,
+    pub left: Vec<Named>,
 }
 
-/// A check that was not made.
+/// A check and why it failed or was not made.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Left {
+pub struct Named {
     pub what: String,
     pub reason: String,
+}
+
+impl Named {
+    /// A reason can have lines, and an indented command: here it is one line.
+    pub fn new(what: &str, reason: &str) -> Self {
+        let mut line = reason.split_whitespace().collect::<Vec<_>>().join(" ");
+        if let Some((end, _)) = line.char_indices().nth(LONGEST_REASON) {
+            line.truncate(end);
+            line.push_str(" ...");
+        }
+        Self { what: what.to_owned(), reason: line }
+    }
 }
 
 impl Tally {
@@ -30,6 +47,8 @@ impl Tally {
             }
             Err(detail) => {
                 self.failed += 1;
+                let detail = detail.to_string();
+                self.broken.push(Named::new(what, &detail));
                 println!("FAIL  {what}{}", Detail(detail));
             }
         }
@@ -58,25 +77,25 @@ impl Tally {
 
     /// Names a check that was not made, and is counted elsewhere.
     pub fn name(&mut self, what: &str, reason: &str) {
-        // A reason can have lines, and an indented command.
-        let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
-        self.left.push(Left { what: what.to_owned(), reason });
+        self.left.push(Named::new(what, reason));
     }
 
     pub fn add(&mut self, other: &Self) {
         self.passed += other.passed;
         self.failed += other.failed;
         self.skipped += other.skipped;
+        self.broken.extend_from_slice(&other.broken);
         self.left.extend_from_slice(&other.left);
     }
 
-    /// The checks that were not made, a line each.
+    /// The checks that were not made and those that failed, a line each. The failed ones come last, where a reader of a
+    /// long output looks first.
     pub fn list(&self) -> String {
-        if self.left.is_empty() {
-            return String::new();
-        }
-        let lines = self.left.iter().map(|Left { what, reason }| format!("  {what}: {reason}\n"));
-        format!("not checked:\n{}", lines.collect::<String>())
+        let list = |title: &str, checks: &[Named]| {
+            let lines = checks.iter().map(|Named { what, reason }| format!("  {what}{}\n", Detail(reason)));
+            if checks.is_empty() { String::new() } else { format!("{title}:\n{}", lines.collect::<String>()) }
+        };
+        list("not checked", &self.left) + &list("failed", &self.broken)
     }
 }
 
@@ -115,8 +134,12 @@ mod tests {
         tally.missing_in(true, "b", "no tool");
         tally.skip("c", "no place");
         assert_eq!(tally.to_string(), "0 passed, 1 failed, 2 skipped");
-        assert_eq!(tally.list(), "not checked:\n  a: no data\n  b: no tool\n  c: no place\n");
+        let left = "not checked:\n  a: no data\n  b: no tool\n  c: no place\n";
+        assert_eq!(tally.list(), format!("{left}failed:\n  b: no tool\n"));
+        tally.check::<&str, _>("d", Err(""));
+        assert_eq!(tally.list(), format!("{left}failed:\n  b: no tool\n  d\n"));
         assert_eq!(Tally::default().list(), "");
+        assert_eq!(Named::new("e", &"ä".repeat(500)).reason, format!("{} ...", "ä".repeat(LONGEST_REASON)));
     }
 
     #[test]

@@ -8,6 +8,11 @@ use crate::code::{BwCode, Outcome};
 use crate::memory::{elements, get};
 use crate::plan::BW_MAX_FURTHER;
 
+/// Whether counts of phases are taken, and whether a quadrature current is: a front end of the library's plan was trained
+/// for one of them, and needs no code for the other.
+const TAKES_COUNTS: bool = !cfg!(bearing_watch_quadrature);
+const TAKES_CURRENT: bool = !cfg!(bearing_watch_front_end) || cfg!(bearing_watch_quadrature);
+
 /// What a raw sample has of the position sensor.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +34,8 @@ pub struct BwRawSample {
     /// Converter counts of the currents of phases a, b, c; c is not used with two phases.
     pub counts: [u16; 3],
     /// Number of measured phases, 2 or 3. With two, the third current is minus the sum, and nothing checks the sensors
-    /// against each other. 1 stands for `current_a` in the place of counts.
+    /// against each other. 1 stands for `current_a` in the place of counts. A library for one plan takes only what that
+    /// was trained with: counts, or a current.
     pub phases: u8,
     /// What there is of the position, `BW_POSITION_…`.
     pub position: u8,
@@ -75,8 +81,9 @@ impl BwRawSample {
             _ => return Err(BwCode::OutOfRange),
         };
         let currents = match self.phases {
-            1 => PhaseCounts::Quadrature(self.current_a),
-            phases => phase_counts(&self.counts, phases)?,
+            1 if TAKES_CURRENT => PhaseCounts::Quadrature(self.current_a),
+            phases if TAKES_COUNTS => phase_counts(&self.counts, phases)?,
+            _ => return Err(BwCode::OutOfRange),
         };
         let mut all = [0.0; FURTHER];
         all.iter_mut().zip(further).for_each(|(cell, value)| *cell = *value);

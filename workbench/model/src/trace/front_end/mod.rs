@@ -15,7 +15,7 @@
 //! stuck_samples = 0
 //!
 //! [balance]
-//! noise_a = 0.5
+//! noise_counts = 25.0                                  # of the sum of the currents; or noise_a
 //! gain_tolerance = 0.02
 //! window = 400
 //!
@@ -41,18 +41,18 @@
 //! these names, and every other recorded column, decimated by the same filters. Currents recorded in amperes are
 //! rounded to counts first, as the converter of the drive does.
 
+mod balance;
 mod refused;
 
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use bearing_watch::drive::{
-    BalanceLimits, FrontEndConstants, PhaseSensor, Position, ResolverLimits, RotorFrame, TrackingConstants,
-};
+use bearing_watch::drive::{FrontEndConstants, PhaseSensor, Position, ResolverLimits, RotorFrame, TrackingConstants};
 use bearing_watch::{Angle, CountsPerTurn, Park};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+pub use balance::Balance;
 pub use refused::{Refused, words};
 
 /// The factors for which the core has filters.
@@ -154,15 +154,6 @@ pub enum Quantity {
     Amperes,
     /// One column, the quadrature current in A that the control of the drive makes itself.
     Quadrature,
-}
-
-/// [`BalanceLimits`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Balance {
-    noise_a: f32,
-    gain_tolerance: f32,
-    window: u16,
 }
 
 /// The columns of the position sensor: counts with those of a turn, sine and cosine, or an angle.
@@ -343,6 +334,7 @@ impl FrontEndFile {
         if phases == 3 && self.currents.phases != Phases::Ab {
             return Err("[currents] phases is for two columns; three are a, b and c".into());
         }
+        self.balance.map_or(Ok(()), Balance::check)?;
         self.position.turn()?;
         if !self.motor.electrical_offset_rad.is_finite() {
             return Err("[motor] electrical_offset_rad is not a number".into());
@@ -379,8 +371,6 @@ impl FrontEndFile {
             let of = |list: &[f32]| list.get(k).or(list.last()).copied().unwrap_or(1.0);
             PhaseSensor { offset_counts: of(offset_counts), gain_a: of(gain_a), usable }
         };
-        let unused = Balance { noise_a: 1.0, gain_tolerance: 0.02, window: 400 };
-        let Balance { noise_a, gain_tolerance, window } = self.balance.unwrap_or(unused);
         let Tracking { bandwidth_hz, damping, error_limit_rad, lost_samples, settle_samples } = self.tracking;
         let resolver = match self.position {
             Columns::Resolver { amplitude: [low, high], mismatch, .. } => ResolverLimits { low, high, mismatch },
@@ -390,7 +380,7 @@ impl FrontEndFile {
             control_rate_hz: self.control_rate_hz,
             sensors: [phase(0), phase(1), phase(2)],
             stuck_samples: *stuck_samples,
-            balance: BalanceLimits { noise_a, gain_tolerance, window },
+            balance: self.balance.map_or(Balance::UNUSED, |balance| balance.limits(gain_a)),
             tracking: TrackingConstants {
                 bandwidth_hz,
                 damping,

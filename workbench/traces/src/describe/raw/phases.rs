@@ -114,7 +114,8 @@ impl Phases {
             format!("usable_counts = [16, {}]  # of {} bits", highest.min(65_519), self.bits),
             format!("stuck_samples = {}  # no converter of the recording repeats itself so long", self.stuck),
             "\n[balance]".into(),
-            format!("noise_a = {:.4}  # of the sum of the currents", self.noise),
+            // In counts it stays right when the gain is set.
+            format!("noise_counts = {:.4}  # of the sum of the currents", self.noise / self.gain_a),
             "gain_tolerance = 0.02".into(),
             format!("window = {}", self.window),
         ]);
