@@ -235,6 +235,8 @@ enum BwCode
   BW_CODE_FLASH_NOT_WRITTEN = -73,
   // Neither place has a good record.
   BW_CODE_FLASH_NO_RECORD = -74,
+  // The function that sends over CAN has failed.
+  BW_CODE_CAN_FAILED = -80,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -903,6 +905,9 @@ typedef struct BwWiring {
   float velocity_ratio;
 } BwWiring;
 
+// Sends the `size` bytes of a data frame under the identifier of the stream; returns 0 if the bus has taken them.
+typedef int32_t (*BwCanSend)(void *context, const uint8_t *data, size_t size);
+
 // What the model wants.
 typedef struct BwInfo {
   // Number of channels of a sample.
@@ -1561,6 +1566,23 @@ BwCode bw_telemetry_raw(struct BwTelemetry *telemetry,
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `frame` is NULL or has
 // `BW_CAN_FRAME_SIZE` writable bytes.
 BwCode bw_can_frame(struct BwState *state, uint8_t *frame);
+
+// Sends a frame that `bw_telemetry_…` has made, in data frames of at most `most` bytes: 8, or 64 for CAN FD, whose
+// lengths are then kept. `number` counts them: a byte of yours, 0 at start, that is kept from call to call. `bearing-watch
+// listen --can-stream` joins them, and counts lost and doubled ones.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` for another `most`, or `BW_CODE_CAN_FAILED` if `send` has failed: the
+// rest of the frame is then not sent, and the receiver counts it as lost.
+//
+// # Safety
+// `number` is NULL, or readable and writable. `frame` is NULL or has `length` readable bytes. `send` may be called with
+// `context`.
+BwCode bw_can_stream(uint8_t *number,
+                     const uint8_t *frame,
+                     size_t length,
+                     size_t most,
+                     BwCanSend send,
+                     void *context);
 
 // Returns the version of the library, a text that ends in a zero byte.
 const char *bw_version(void);

@@ -123,10 +123,12 @@ pub enum BwCode {
     FlashNotWritten = -73,
     /// Neither place has a good record.
     FlashNoRecord = -74,
+    /// The function that sends over CAN has failed.
+    CanFailed = -80,
 }
 
 impl BwCode {
-    const ALL: [Self; 56] = [
+    const ALL: [Self; 57] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
@@ -183,6 +185,7 @@ impl BwCode {
         Self::FlashTooSmall,
         Self::FlashNotWritten,
         Self::FlashNoRecord,
+        Self::CanFailed,
     ];
 
     const fn text(self) -> &'static CStr {
@@ -243,6 +246,7 @@ impl BwCode {
             Self::FlashTooSmall => c"the record is longer than its place in flash",
             Self::FlashNotWritten => c"the flash did not take what was written",
             Self::FlashNoRecord => c"there is no good record in flash",
+            Self::CanFailed => c"the function that sends over CAN has failed",
         }
     }
 }

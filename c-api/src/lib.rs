@@ -23,6 +23,7 @@
 //! interrupts           bw_recorder_push, bw_raw_recorder_push   samples; now and then BW_CODE_BLOCK
 //! main loop            bw_telemetry_…      reports and blocks of samples as frames, for `bearing-watch listen`
 //!                      bw_can_frame        the report in one frame of 8 bytes
+//!                      bw_can_stream       a frame of the telemetry in data frames
 //! ```
 //!
 //! No function allocates, blocks, panics or has global state; of `bw_verify_model` the linker does not prove the third.
@@ -79,7 +80,7 @@ pub use calibration::{
     BW_CALIBRATION_SIZE, BwCalibration, BwCalibrationLimits, BwRefusedOffset, bw_calibration_finish,
     bw_calibration_init, bw_calibration_push,
 };
-pub use can::{BW_CAN_FRAME_SIZE, bw_can_frame};
+pub use can::{BW_CAN_FRAME_SIZE, BwCanSend, bw_can_frame, bw_can_stream};
 pub use code::{BwCode, bw_error_text};
 pub use flash::{
     BW_FLASH_UNIT, BwFlash, bw_flash_load_model, bw_flash_prepare, bw_flash_restore, bw_flash_save,

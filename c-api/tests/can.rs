@@ -19,7 +19,7 @@ mod alarmed;
 
 use core::ptr::null_mut;
 
-use bearing_watch::telemetry::SegmentFrame;
+use bearing_watch::telemetry::{CanPieces, SegmentFrame};
 use bearing_watch::{Cause, Detector, Monitor, Reason, Verdict};
 use bearing_watch_c::*;
 
@@ -90,4 +90,48 @@ fn what_is_wrong_is_refused_and_writes_nothing() {
     assert_eq!(frame(state.wrapping_byte_add(1)), (BwCode::Misaligned, UNTOUCHED));
     // SAFETY: NULL is refused.
     assert_eq!(unsafe { bw_can_frame(state, null_mut()) }, BwCode::Null);
+}
+
+/// Keeps what is sent; the bus takes `.1` data frames.
+unsafe extern "C" fn send(context: *mut core::ffi::c_void, data: *const u8, size: usize) -> i32 {
+    // SAFETY: the test passes this type, and the bytes are there.
+    let (bus, data) =
+        unsafe { (&mut *context.cast::<(Vec<Vec<u8>>, usize)>(), core::slice::from_raw_parts(data, size)) };
+    if bus.0.len() == bus.1 {
+        return 1;
+    }
+    bus.0.push(data.to_vec());
+    0
+}
+
+#[test]
+fn a_frame_of_the_telemetry_goes_in_the_pieces_of_the_core() {
+    let frame: Vec<u8> = (1..=150).chain([0]).collect();
+    let stream = |number: &mut u8, most: usize, takes: usize| {
+        let mut bus = (Vec::new(), takes);
+        // SAFETY: number and frame are there, and the context is that of `send`.
+        let code =
+            unsafe { bw_can_stream(number, frame.as_ptr(), frame.len(), most, Some(send), (&raw mut bus).cast()) };
+        (code, bus.0)
+    };
+    for (most, mut pieces) in [(8, CanPieces::classic()), (64, CanPieces::fd())] {
+        let mut number = 0;
+        for _ in 0..20 {
+            let expected: Vec<Vec<u8>> = pieces.cut(&frame).map(|piece| piece.data().to_vec()).collect();
+            assert_eq!(stream(&mut number, most, usize::MAX), (BwCode::Ok, expected));
+            assert_eq!(number, pieces.number());
+        }
+    }
+    // The number of the one that failed is not used again: the receiver sees the gap.
+    let mut number = 7;
+    let (code, sent) = stream(&mut number, 8, 2);
+    assert_eq!((code, sent.len(), number), (BwCode::CanFailed, 2, 10));
+    assert_eq!(stream(&mut number, 9, 0).0, BwCode::OutOfRange);
+    // SAFETY: NULL is refused.
+    unsafe {
+        let (bytes, nothing) = (frame.as_ptr(), null_mut());
+        assert_eq!(bw_can_stream(null_mut(), bytes, 1, 8, Some(send), nothing), BwCode::Null);
+        assert_eq!(bw_can_stream(&raw mut number, core::ptr::null(), 1, 8, Some(send), nothing), BwCode::Null);
+        assert_eq!(bw_can_stream(&raw mut number, bytes, 1, 8, None, nothing), BwCode::Null);
+    }
 }

@@ -5,8 +5,8 @@ use core::hint::black_box as opaque;
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::plan::Plan;
 use bearing_watch::telemetry::{
-    Block, Body, Contributions, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock, RawEncoder, RawRecorder,
-    Recorder, SegmentFrame, Signal, Source, Summary,
+    Block, Body, CanJoin, CanPiece, CanPieces, Contributions, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock,
+    RawEncoder, RawRecorder, Recorder, SegmentFrame, Signal, Source, Summary,
 };
 use bearing_watch::{Angle, Evidence, Model, Report};
 
@@ -33,6 +33,7 @@ pub fn encode<P: Plan>(
 
 /// The frame of a report for CAN, and what a receiver reads of one.
 pub fn on_can<P: Plan>(model: &Model<P>, report: &Report<P>, evidence: &Evidence<P>) {
+    pieces();
     let sent = opaque(SegmentFrame::of(model, opaque(report), opaque(evidence)));
     let Some(frame) = SegmentFrame::from_bytes(opaque(SegmentFrame::to_bytes(sent))) else { return };
     opaque((SegmentFrame::segment(frame), SegmentFrame::undetermined(frame), SegmentFrame::usable_percent(frame)));
@@ -130,4 +131,16 @@ fn reported(summary: &Summary<'_>) {
     let contributions = &summary.contributions;
     opaque((Contributions::len(contributions), Contributions::is_empty(contributions)));
     opaque(Contributions::iter(contributions).map(|(_, one)| one.deviations).sum::<f32>());
+}
+
+/// Frames over CAN.
+fn pieces() {
+    let frame = opaque([7_u8; 100]);
+    for pieces in [CanPieces::classic(), CanPieces::fd()] {
+        let (mut pieces, mut join) = (CanPieces::with_number(opaque(pieces), opaque(3)), CanJoin::new());
+        for piece in CanPieces::cut(&mut pieces, &frame) {
+            opaque(CanJoin::take(&mut join, CanPiece::data(&opaque(piece))));
+        }
+        opaque((CanPieces::number(&pieces), CanJoin::lost(&join), CanJoin::repeated(&join)));
+    }
 }

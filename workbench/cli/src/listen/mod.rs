@@ -22,7 +22,7 @@ use bearing_watch::telemetry::Decoder;
 
 use super::can_id::CanId;
 use super::serve::stop_flag;
-use can::Listener;
+use can::{Listener, Stream};
 use live::View;
 use model::Error;
 use model::session::ModelFile;
@@ -43,12 +43,15 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// `train`, with the columns phase_a_counts, phase_b_counts and, of a third sensor, phase_c_counts; angle_counts (32
 /// bits a turn), or sin and cos; and those of --further. The end of the source, --seconds or Ctrl-C ends it.
 ///
-/// With --can-id the source is a CAN interface of Linux such as can0, or the log of a CAN bus, as `candump -L` prints it
-/// or as an ASC file, and the frames of this identifier are segments (SegmentFrame, bw_can_frame): they are shown with their alarm, and lost, repeated and
-/// withdrawn ones are counted. A drive that counts from 1 again has started again.
+/// With --can-id or --can-stream the source is a CAN interface of Linux such as can0, or the log of a CAN bus, as
+/// `candump -L` prints it or as an ASC file. The frames of --can-id are segments (SegmentFrame, bw_can_frame): they are
+/// shown with their alarm, and lost, repeated and withdrawn ones are counted. A drive that counts from 1 again has started
+/// again. The frames of --can-stream are pieces of the telemetry (CanPieces, bw_can_stream): reports and recordings as
+/// over a serial line.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces\n  \
-                  bearing-watch listen can0 --can-id 0x123 --model model.bwm")]
+                  bearing-watch listen can0 --can-id 0x123 --model model.bwm\n  \
+                  bearing-watch listen can0 --can-stream 0x124 --out traces")]
 pub(super) struct Args {
     /// Serial port, CAN interface of Linux, file, or - for standard input
     source: String,
@@ -65,10 +68,13 @@ pub(super) struct Args {
     /// page stays after the end of the source, until --seconds or Ctrl-C
     #[arg(long, value_name = "PORT")]
     view: Option<u16>,
-    /// Identifier of the frames of segments in the log of a CAN bus; more than three digits are an extended one
+    /// Identifier of the frames of segments on a CAN bus; more than three digits are an extended one
     #[arg(long, value_name = "ID", value_parser = CanId::parse)]
     #[arg(conflicts_with_all = ["baud", "out", "further", "view"])]
     can_id: Option<CanId>,
+    /// Identifier of the pieces of the telemetry on a CAN bus
+    #[arg(long, value_name = "ID", value_parser = CanId::parse, conflicts_with_all = ["baud", "can_id"])]
+    can_stream: Option<CanId>,
     /// The model of the drive, which has the names of its bearing orders, and on a CAN bus, whose frames have numbers
     /// only, those of classes and features
     #[arg(long, value_name = "FILE")]
@@ -83,9 +89,9 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     #[cfg(target_os = "linux")]
-    if args.can_id.is_none() && bus::is_bus(&args.source) {
+    if args.can_id.or(args.can_stream).is_none() && bus::is_bus(&args.source) {
         return Err(Error::Usage(format!(
-            "{} is a CAN interface: give the identifier of the drive, --can-id",
+            "{} is a CAN interface: give the identifier of the drive, --can-id of its segments or --can-stream",
             args.source
         )));
     }
@@ -111,7 +117,7 @@ fn segments(line: &Line<'_>, id: CanId, names: Names) -> Result<(), Error> {
     listener.end(&line.args.source)
 }
 
-/// Frames of a serial line.
+/// Frames of a serial line, or of a CAN bus that carries its bytes.
 fn frames(line: &Line<'_>, names: Option<Names>) -> Result<(), Error> {
     let args = line.args;
     let traces = args.out.as_deref().map(Traces::new).transpose()?;
@@ -121,7 +127,14 @@ fn frames(line: &Line<'_>, names: Option<Names>) -> Result<(), Error> {
     if let Some((view, address)) = view {
         receiver.show(view, &address)?;
     }
-    let failure = line.receive(|bytes| feed(&mut decoder, bytes, &mut receiver))?;
+    let mut stream = args.can_stream.map(Stream::of);
+    let failure = line.receive(|bytes| match &mut stream {
+        Some(stream) => feed(&mut decoder, &stream.take(bytes), &mut receiver),
+        None => feed(&mut decoder, bytes, &mut receiver),
+    })?;
+    if let Some(stream) = &mut stream {
+        feed(&mut decoder, &stream.rest(), &mut receiver)?;
+    }
     while args.view.is_some() && failure.is_none() && line.goes_on() {
         std::thread::sleep(PATIENCE);
     }
@@ -133,9 +146,15 @@ fn frames(line: &Line<'_>, names: Option<Names>) -> Result<(), Error> {
         }
         return Err(error);
     }
+    if let Some(stream) = &stream {
+        if let Some(reason) = stream.nothing() {
+            return Err(Error::Usage(format!("{}: {reason}", args.source)));
+        }
+        receiver.tell(stream.line(), stream.value())?;
+    }
     if counts.frames == 0 {
         let log = [".log", ".asc"].iter().any(|end| args.source.to_ascii_lowercase().ends_with(end));
-        let hint = if log { "; the log of a CAN bus needs --can-id" } else { "" };
+        let hint = if log { "; the log of a CAN bus needs --can-id or --can-stream" } else { "" };
         return Err(Error::Usage(format!("{}: {}{hint}", args.source, words::nothing(counts))));
     }
     receiver.end(counts)

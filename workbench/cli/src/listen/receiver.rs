@@ -141,7 +141,7 @@ impl Receiver {
         self.tell(words::end_line(counts, kept, self.unnamed), words::end_value(counts, kept, self.unnamed))
     }
 
-    fn tell(&self, line: String, value: serde_json::Value) -> Result<(), Error> {
+    pub(super) fn tell(&self, line: String, value: serde_json::Value) -> Result<(), Error> {
         (self.output.tell)(line, value)
     }
 }

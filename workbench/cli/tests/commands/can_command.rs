@@ -211,7 +211,7 @@ fn logs_without_the_identifier_are_refused() {
     ] {
         std::fs::write(dir.join(name), text).expect("writable");
     }
-    refuse(dir, "listen bus.log --can-id 0x125", &["bus.log: no frame of 0x125 among 19", "check --can-id"]);
+    refuse(dir, "listen bus.log --can-id 0x125", &["bus.log: no frame of 0x125 among 19", "check the identifier"]);
     refuse(dir, "listen text --can-id 0x123", &["text: none of 9 lines is of a log by candump -L or of an ASC file"]);
     refuse(dir, "listen empty --can-id 0x123", &["empty: no frame of 0x123; the log is empty"]);
     refuse(dir, "listen zeros.log --can-id 0x123", &["3 frames of 0x123, but none is a segment"]);

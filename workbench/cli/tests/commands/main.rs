@@ -5,6 +5,7 @@ mod audit_command;
 mod book;
 mod browser;
 mod can_command;
+mod can_stream_command;
 mod cogging_command;
 mod command_line;
 mod common;

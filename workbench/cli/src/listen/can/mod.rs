@@ -1,11 +1,14 @@
-//! Segments of a drive from the log of a CAN bus.
+//! Segments of a drive, or the stream of its telemetry, from the log of a CAN bus.
 //!
 //! ```text
-//! bytes ─► lines ─► log: frames of the identifier ─► course: lost, repeated, withdrawn ─► words
+//! bytes ─► frames: lines, log, those of the identifier ─┬► course: lost, repeated, withdrawn ─► words
+//!                                                       └► stream: pieces of the telemetry, joined
 //! ```
 
 mod course;
+mod frames;
 mod log;
+mod stream;
 mod words;
 
 use std::collections::BTreeMap;
@@ -17,23 +20,16 @@ use super::names::Names;
 use super::receiver::Output;
 use crate::can_id::CanId;
 use course::{Came, Course, Segment};
-use log::{Counts, Event, Log};
+use frames::Frames;
 use model::Error;
-
-/// The longest line that is read; logs of CAN FD have up to some hundred letters.
-const LONGEST: usize = 4096;
+pub(super) use stream::Stream;
 
 /// Takes the bytes of a log, and shows the segments of one identifier.
 pub(super) struct Listener {
-    id: CanId,
+    frames: Frames,
     names: Names,
     output: Output,
-    log: Log,
-    line: Vec<u8>,
-    /// The bus of the first frame of the identifier.
-    bus: Option<String>,
     course: Course,
-    counts: Counts,
     verdicts: BTreeMap<String, u64>,
     /// The cause that was shown, and since which segment.
     alarm: Option<(Cause, u64)>,
@@ -43,14 +39,10 @@ pub(super) struct Listener {
 impl Listener {
     pub(super) fn new(id: CanId, names: Names, output: Output) -> Self {
         Self {
-            id,
+            frames: Frames::of(id),
             names,
             output,
-            log: Log::default(),
-            line: vec![],
-            bus: None,
             course: Course::default(),
-            counts: Counts::default(),
             verdicts: BTreeMap::new(),
             alarm: None,
             silent: false,
@@ -58,41 +50,14 @@ impl Listener {
     }
 
     pub(super) fn take(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        for byte in bytes {
-            match byte {
-                b'\n' => self.end_line()?,
-                // What is longer is cut, and then not read as an event.
-                _ if self.line.len() < LONGEST => self.line.push(*byte),
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    fn end_line(&mut self) -> Result<(), Error> {
-        let line = std::mem::take(&mut self.line);
-        let event = self.log.read(&String::from_utf8_lossy(&line));
-        let count = match event {
-            Event::Nothing => return Ok(()),
-            Event::Data { id, .. } if id != self.id => &mut self.counts.others,
-            Event::Data { bus, time_s, data, .. } => {
-                if *self.bus.get_or_insert_with(|| bus.clone()) == bus {
-                    return self.data(time_s, &data);
-                }
-                &mut self.counts.other_buses
-            }
-            Event::Remote => &mut self.counts.remote,
-            Event::Error => &mut self.counts.errors,
-            Event::Unread => &mut self.counts.unread,
-        };
-        *count += 1;
-        Ok(())
+        let frames = self.frames.take(bytes);
+        frames.into_iter().try_for_each(|(time_s, data)| self.data(time_s, &data))
     }
 
     fn data(&mut self, time_s: f64, data: &[u8]) -> Result<(), Error> {
         let frame = <[u8; 8]>::try_from(data).ok().and_then(SegmentFrame::from_bytes);
         let Some(frame) = frame else {
-            self.counts.bad += 1;
+            self.frames.counts.bad += 1;
             return Ok(());
         };
         let (number, again) = match self.course.take(frame) {
@@ -132,15 +97,19 @@ impl Listener {
 
     /// Shows what came.
     pub(super) fn end(mut self, source: &str) -> Result<(), Error> {
-        if !self.line.is_empty() {
-            self.end_line()?;
+        if let Some((time_s, data)) = self.frames.end() {
+            self.data(time_s, &data)?;
         }
         let course = self.course.counts();
         if course.segments == 0 {
-            return Err(Error::Usage(format!("{source}: {}", words::nothing(self.id, &self.counts))));
+            return Err(Error::Usage(format!(
+                "{source}: {}",
+                words::nothing(self.frames.id, &self.frames.counts, "a segment")
+            )));
         }
         let alarm = self.alarm.map(|(cause, since)| (words::alarm_name(&self.names, cause), since));
-        let end = words::End { id: self.id, course, counts: &self.counts, verdicts: &self.verdicts, alarm };
+        let end =
+            words::End { id: self.frames.id, course, counts: &self.frames.counts, verdicts: &self.verdicts, alarm };
         self.tell(end.line(), end.value())
     }
 

@@ -100,24 +100,16 @@ impl End<'_> {
             course.repeated,
             course.withdrawn,
         );
-        let further = [
-            (course.restarts, "restarts of the drive"),
-            (counts.bad, "frames that are no segment"),
-            (counts.other_buses, "frames on another bus"),
-            (counts.others, "frames of other identifiers"),
-            (counts.remote, "remote frames"),
-            (counts.errors, "error frames"),
-            (counts.unread, "lines that were not read"),
-        ];
-        for (count, what) in further.into_iter().filter(|(count, _)| *count > 0) {
-            line.push_str(&format!(", {count} {what}"));
+        if course.restarts > 0 {
+            line.push_str(&format!(", {} restarts of the drive", course.restarts));
         }
+        further(&mut line, counts, "frames that are no segment");
         line
     }
 
     pub(super) fn value(&self) -> Value {
         let Self { id, course, counts, verdicts, alarm } = self;
-        json!({
+        let mut value = json!({
             "kind": "end",
             "id": id.to_string(),
             "segments": course.segments,
@@ -128,23 +120,48 @@ impl End<'_> {
             "withdrawn": course.withdrawn,
             "again": course.again,
             "restarts": course.restarts,
-            "bad": counts.bad,
-            "other_buses": counts.other_buses,
-            "other_ids": counts.others,
-            "remote": counts.remote,
-            "error_frames": counts.errors,
-            "unread_lines": counts.unread,
-        })
+        });
+        counted(&mut value, counts);
+        value
     }
 }
 
-/// Why no segment came.
-pub(super) fn nothing(id: CanId, counts: &Counts) -> String {
+/// Adds what else a log has to a line.
+pub(super) fn further(line: &mut String, counts: &Counts, bad: &str) {
+    let further = [
+        (counts.bad, bad),
+        (counts.other_buses, "frames on another bus"),
+        (counts.others, "frames of other identifiers"),
+        (counts.remote, "remote frames"),
+        (counts.errors, "error frames"),
+        (counts.unread, "lines that were not read"),
+    ];
+    for (count, what) in further.into_iter().filter(|(count, _)| *count > 0) {
+        line.push_str(&format!(", {count} {what}"));
+    }
+}
+
+/// The same as keys of an object.
+pub(super) fn counted(value: &mut Value, counts: &Counts) {
+    let counts = [
+        ("bad", counts.bad),
+        ("other_buses", counts.other_buses),
+        ("other_ids", counts.others),
+        ("remote", counts.remote),
+        ("error_frames", counts.errors),
+        ("unread_lines", counts.unread),
+    ];
+    let object = value.as_object_mut().into_iter();
+    object.for_each(|object| object.extend(counts.map(|(name, count)| (name.to_owned(), json!(count)))));
+}
+
+/// Why none of what is expected came.
+pub(super) fn nothing(id: CanId, counts: &Counts, expected: &str) -> String {
     let Counts { bad, others, other_buses: _, remote, errors, unread } = counts;
     match (*bad, others + remote + errors, *unread) {
-        (1.., _, _) => format!("{bad} frames of {id}, but none is a segment; check --can-id and the versions"),
+        (1.., _, _) => format!("{bad} frames of {id}, but none is {expected}; check the identifier and the versions"),
         (0, 0, 1..) => format!("none of {unread} lines is of a log by candump -L or of an ASC file"),
         (0, 0, 0) => format!("no frame of {id}; the log is empty"),
-        (0, other, _) => format!("no frame of {id} among {other} others; check --can-id"),
+        (0, other, _) => format!("no frame of {id} among {other} others; check the identifier"),
     }
 }
