@@ -3,7 +3,7 @@
 //! | for | files | checked by |
 //! |---|---|---|
 //! | Zephyr | `zephyr/module.yml`, `Kconfig`, `CMakeLists.txt` | a CMake project with stand-ins of Zephyr's functions |
-//! | PlatformIO | `library.json`, `platformio.py` | PlatformIO's own packer, if pip has it |
+//! | PlatformIO | `library.json`, `platformio.py` | PlatformIO's own packer, which pip installs |
 //! | Arduino | `library.properties`, `src/` | the keys of its library specification |
 //! | CMSIS | `bearing-watch.pdsc` | an XML reader |
 //!

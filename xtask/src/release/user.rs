@@ -2,16 +2,16 @@
 //! print the verdicts of Rust.
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use super::{archive, dist};
 use crate::newcomer::{Folder, blocks, c, same_classes, shell};
 use crate::tally::Tally;
 use crate::target::{brief, on_host};
-use crate::{child, log, workspace};
+use crate::{child, log, python, workspace};
 
 const DOCUMENT: &str = "c-api/ARCHIVE.md";
 /// The files of the document that go into a project of firmware.
@@ -39,10 +39,9 @@ pub fn checks(tally: &mut Tally) {
     }
     tally.check("the archive as a module of Zephyr", brief(zephyr()));
     let title = "the archive as a library of PlatformIO";
-    if child::on_path("pio") {
-        tally.check(title, platformio().map(|()| "packed").map_err(|error| format!("{error:#}")));
-    } else {
-        tally.skip(title, "no pio: pip install platformio");
+    match platformio() {
+        Ok(python) => tally.check(title, brief(packed(&python))),
+        Err(reason) => tally.missing(title, &format!("{reason:#}")),
     }
 }
 
@@ -73,13 +72,44 @@ fn zephyr() -> Result<String> {
     c::verdicts(cmake, folder.path())
 }
 
+/// The version of PlatformIO, and what it says where it cannot have the list of licences.
+const PLATFORMIO: &str = "platformio==6.2.0";
+const NO_LICENCES: &str = "{'license': ['Could not load SPDX licenses for validation']}";
+
+/// Python of an environment with PlatformIO.
+fn platformio() -> Result<PathBuf> {
+    let python = python::venv(&workspace::target_dir().join("tools/platformio"), false)?;
+    let mut install = Command::new(&python);
+    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", PLATFORMIO]);
+    child::succeed(&mut install).context("PlatformIO cannot be installed")?;
+    Ok(python)
+}
+
 /// PlatformIO's own packer reads the manifest and takes the files.
-fn platformio() -> Result<()> {
+fn packed(python: &Path) -> Result<&'static str> {
     let folder = Folder::new("platformio")?;
     unpacked(folder.path())?;
-    let mut pack = Command::new("pio");
-    pack.args(["pkg", "pack", "bearing-watch"]).current_dir(folder.path());
-    child::succeed(&mut pack)
+    let pack = || {
+        let mut pack = Command::new(python);
+        pack.args(["-m", "platformio", "pkg", "pack", "bearing-watch"]).current_dir(folder.path());
+        child::captured(pack.env("PLATFORMIO_CORE_DIR", folder.path().join("core")))
+    };
+    let text = |output: Output| String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+    let outcome = pack()?;
+    if outcome.status.success() {
+        return Ok("packed");
+    }
+    let said = text(outcome);
+    ensure!(said.contains(NO_LICENCES), "{said}");
+    // Of all fields, this one alone was not right: the others are checked without it.
+    let manifest = folder.path().join("bearing-watch/library.json");
+    let all = fs::read_to_string(&manifest)?;
+    let others: Vec<&str> = all.lines().filter(|line| !line.trim_start().starts_with("\"license\"")).collect();
+    ensure!(others.len() + 1 == all.lines().count(), "the manifest has no line with its licence");
+    fs::write(manifest, others.join("\n"))?;
+    let outcome = pack()?;
+    ensure!(outcome.status.success(), "{}", text(outcome));
+    Ok("packed, with its licence unchecked: no access to the list of licences")
 }
 
 fn records(name: &str, build: &str, result: &str) -> Result<String> {
