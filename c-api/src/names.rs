@@ -41,7 +41,7 @@ const REASONS: Names<16> = names! {
     BwReason::FoundLate => "a fault that was found after the segment may have begun in it",
 };
 
-const CODES: Names<56> = names! {
+const CODES: Names<57> = names! {
     BwCode::Ok => "BW_CODE_OK",
     BwCode::Segment => "BW_CODE_SEGMENT",
     BwCode::Report => "BW_CODE_REPORT",
@@ -98,6 +98,7 @@ const CODES: Names<56> = names! {
     BwCode::FlashTooSmall => "BW_CODE_FLASH_TOO_SMALL",
     BwCode::FlashNotWritten => "BW_CODE_FLASH_NOT_WRITTEN",
     BwCode::FlashNoRecord => "BW_CODE_FLASH_NO_RECORD",
+    BwCode::CanFailed => "BW_CODE_CAN_FAILED",
 };
 
 fn name<const N: usize>((numbers, names): &Names<N>, number: i32) -> *const c_char {
