@@ -181,7 +181,8 @@ pub fn run(way: Way) -> Result<bool> {
         }
     }
     println!("\nlibrary for one plan, built for size");
-    println!("a whole drive adds {}", c_link::whole_drive(&of_actuator_for_size(way)?)?);
+    let (_, words) = c_link::whole_drive(&of_actuator_for_size(way)?)?;
+    println!("a whole drive adds {words}");
     Ok(stages.end())
 }
 

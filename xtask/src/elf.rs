@@ -22,11 +22,18 @@ pub struct Sizes {
     pub ram: u64,
 }
 
+fn read(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+fn firmware<'a>(bytes: &'a [u8], path: &Path) -> Result<ElfFile32<'a>> {
+    ElfFile32::parse(bytes).with_context(|| format!("{} is not firmware", path.display()))
+}
+
 /// Adds up the sections that the chip holds.
 pub fn sizes(path: &Path) -> Result<Sizes> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let file =
-        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let bytes = read(path)?;
+    let file = firmware(&bytes, path)?;
     let endian = file.endian();
     let mut sizes = Sizes::default();
     for section in file.sections() {
@@ -41,25 +48,22 @@ pub fn sizes(path: &Path) -> Result<Sizes> {
 
 /// Whether an ELF file has a section of this name.
 pub fn has_section(path: &Path, name: &str) -> Result<bool> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let file =
-        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let bytes = read(path)?;
+    let file = firmware(&bytes, path)?;
     Ok(file.section_by_name(name).is_some())
 }
 
 /// Bytes of statics that start with other values than zero: they take flash, too.
 pub fn initialised(path: &Path) -> Result<u64> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let file =
-        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let bytes = read(path)?;
+    let file = firmware(&bytes, path)?;
     Ok(file.section_by_name(".data").map_or(0, |section| section.size()))
 }
 
 /// Names of the linked symbols that hold a piece of text; linking has dropped what is not called.
 pub fn symbols_with(path: &Path, piece: &str) -> Result<Vec<String>> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let file =
-        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let bytes = read(path)?;
+    let file = firmware(&bytes, path)?;
     let names: Vec<&str> = file.symbols().filter_map(|symbol| symbol.name().ok()).collect();
     // An ELF file without its symbols would pass any such check.
     ensure!(names.contains(&"main"), "{} has no symbols", path.display());
@@ -68,7 +72,7 @@ pub fn symbols_with(path: &Path, piece: &str) -> Result<Vec<String>> {
 
 /// Names of the symbols of a static library that others may link with: global and defined.
 pub fn global_symbols(path: &Path) -> Result<BTreeSet<String>> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes = read(path)?;
     let archive = ArchiveFile::parse(&*bytes).with_context(|| format!("{} is no library", path.display()))?;
     let mut names = BTreeSet::new();
     for member in archive.members() {
@@ -82,20 +86,18 @@ pub fn global_symbols(path: &Path) -> Result<BTreeSet<String>> {
 
 /// Sizes of those functions of a linked program that are global, in bytes.
 pub fn global_sizes(path: &Path, names: &[&str]) -> Result<BTreeMap<String, u64>> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let file =
-        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let bytes = read(path)?;
+    let file = firmware(&bytes, path)?;
     let global = file.symbols().filter(|symbol| symbol.is_global() && symbol.is_definition());
     let sizes = global.filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.size())));
     Ok(sizes.filter(|(name, _)| names.contains(&name.as_str())).collect())
 }
 
-/// Bytes of code and constants by the part of the program that they belong to: for functions of Rust the module below the
-/// crate, for the interface of the C library `bw_`, for all others `other`.
+/// Bytes of code and constants by the part of the program that they belong to: for functions of Rust the module below
+/// the crate, for the interface of the C library `bw_`, for all others `other`.
 pub fn parts(path: &Path) -> Result<BTreeMap<String, u64>> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let file =
-        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let bytes = read(path)?;
+    let file = firmware(&bytes, path)?;
     let mut parts = BTreeMap::new();
     for symbol in file.symbols().filter(|symbol| symbol.is_definition() && symbol.address() < u64::from(RAM)) {
         *parts.entry(part(symbol.name().unwrap_or_default())).or_default() += symbol.size();

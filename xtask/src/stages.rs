@@ -62,14 +62,13 @@ impl Stages {
     /// Adds a stage of another process, or the name of a check that failed or was not made to the last stage; whether
     /// the line is one of [`Stages::rows`].
     pub fn take_row(&mut self, line: &str) -> bool {
-        let named = |start| line.strip_prefix(start).and_then(|rest| rest.split_once('\t'));
-        if let (Some((what, reason)), Some(stage)) = (named(LEFT), self.done.last_mut()) {
-            stage.tally.name(what, reason);
-            return true;
-        }
-        if let (Some((what, reason)), Some(stage)) = (named(BROKEN), self.done.last_mut()) {
-            stage.tally.broken.push(Named::new(what, reason));
-            return true;
+        if let Some(Stage { tally, .. }) = self.done.last_mut() {
+            for (start, checks) in [(LEFT, &mut tally.left), (BROKEN, &mut tally.broken)] {
+                if let Some((what, reason)) = line.strip_prefix(start).and_then(|rest| rest.split_once('\t')) {
+                    checks.push(Named::new(what, reason));
+                    return true;
+                }
+            }
         }
         let Some(row) = line.strip_prefix(ROW) else { return false };
         let cells: Vec<&str> = row.split('\t').collect();

@@ -27,8 +27,8 @@ pub fn judge(calls: &[Call], run: Duration) -> Result<String> {
         calls.iter().filter(|call| of(&call.name)).map(|call| call.processor).sum()
     };
     let reference = sum(&|name| REFERENCE.contains(&name));
-    let own = sum(&|name| name.replace('-', "_").starts_with("bearing_watch")) + run;
-    let cost = own.as_secs_f64() / reference.as_secs_f64();
+    let ours = sum(&|name| name.replace('-', "_").starts_with("bearing_watch")) + run;
+    let cost = ours.as_secs_f64() / reference.as_secs_f64();
     let [least, most] = ALLOWED;
     let words = format!("our crates and the demonstration take {cost:.1} times the processor of six libraries");
     ensure!(least <= cost && cost <= most, "{words}; {least} to {most} are allowed; see `cargo xtask times`");
