@@ -1135,9 +1135,9 @@ BwCode bw_adopt(struct BwState *state);
 
 // Compares the number of samples that `bw_collect` was given so far with a clock, in milliseconds; both may wrap. Call
 // it in the main loop, as often as you like; no time counts before the first sample. If over ten seconds the samples
-// did not come at the rate of the model, to two per cent, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`) until they
-// do. Rows that come twice, held or interpolated, are found by nothing else. A pause of the samples counts as a wrong
-// rate.
+// did not come at the rate of the model, to two per cent, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`) until
+// they do. Rows that come twice, held or interpolated, are found by nothing else. A pause of the samples counts as a
+// wrong rate.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, or `BW_CODE_BUSY`.
 //
@@ -1568,21 +1568,16 @@ BwCode bw_telemetry_raw(struct BwTelemetry *telemetry,
 BwCode bw_can_frame(struct BwState *state, uint8_t *frame);
 
 // Sends a frame that `bw_telemetry_…` has made, in data frames of at most `most` bytes: 8, or 64 for CAN FD, whose
-// lengths are then kept. `number` counts them: a byte of yours, 0 at start, that is kept from call to call. `bearing-watch
-// listen --can-stream` joins them, and counts lost and doubled ones.
+// lengths are then kept. `number` counts them: a byte of yours, 0 at start, that is kept from call to call.
+// `bearing-watch listen --can-stream` joins them, and counts lost and doubled ones.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` for another `most`, or `BW_CODE_CAN_FAILED` if `send` has failed: the
 // rest of the frame is then not sent, and the receiver counts it as lost.
 //
 // # Safety
-// `number` is NULL, or readable and writable. `frame` is NULL or has `length` readable bytes. `send` may be called with
-// `context`.
-BwCode bw_can_stream(uint8_t *number,
-                     const uint8_t *frame,
-                     size_t length,
-                     size_t most,
-                     BwCanSend send,
-                     void *context);
+// `number` is NULL, or readable and writable. `frame` is NULL or has `length` readable bytes. `send` may be called
+// with `context`.
+BwCode bw_can_stream(uint8_t *number, const uint8_t *frame, size_t length, size_t most, BwCanSend send, void *context);
 
 // Returns the version of the library, a text that ends in a zero byte.
 const char *bw_version(void);

@@ -1,5 +1,5 @@
-//! For a line that is CAN or CAN FD: the report of a segment in one data frame of 8 bytes, and frames of the telemetry in
-//! as many data frames as they need.
+//! For a line that is CAN or CAN FD: the report of a segment in one data frame of 8 bytes, and frames of the telemetry
+//! in as many data frames as they need.
 
 use core::ffi::c_void;
 
@@ -41,15 +41,15 @@ pub unsafe extern "C" fn bw_can_frame(state: *mut BwState, frame: *mut u8) -> Bw
 pub type BwCanSend = Option<unsafe extern "C" fn(context: *mut c_void, data: *const u8, size: usize) -> i32>;
 
 /// Sends a frame that `bw_telemetry_…` has made, in data frames of at most `most` bytes: 8, or 64 for CAN FD, whose
-/// lengths are then kept. `number` counts them: a byte of yours, 0 at start, that is kept from call to call. `bearing-watch
-/// listen --can-stream` joins them, and counts lost and doubled ones.
+/// lengths are then kept. `number` counts them: a byte of yours, 0 at start, that is kept from call to call.
+/// `bearing-watch listen --can-stream` joins them, and counts lost and doubled ones.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` for another `most`, or `BW_CODE_CAN_FAILED` if `send` has failed: the
 /// rest of the frame is then not sent, and the receiver counts it as lost.
 ///
 /// # Safety
-/// `number` is NULL, or readable and writable. `frame` is NULL or has `length` readable bytes. `send` may be called with
-/// `context`.
+/// `number` is NULL, or readable and writable. `frame` is NULL or has `length` readable bytes. `send` may be called
+/// with `context`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_can_stream(
     number: *mut u8,

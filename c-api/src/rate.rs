@@ -8,9 +8,9 @@ use crate::state::BwState;
 
 /// Compares the number of samples that `bw_collect` was given so far with a clock, in milliseconds; both may wrap. Call
 /// it in the main loop, as often as you like; no time counts before the first sample. If over ten seconds the samples
-/// did not come at the rate of the model, to two per cent, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`) until they
-/// do. Rows that come twice, held or interpolated, are found by nothing else. A pause of the samples counts as a wrong
-/// rate.
+/// did not come at the rate of the model, to two per cent, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`) until
+/// they do. Rows that come twice, held or interpolated, are found by nothing else. A pause of the samples counts as a
+/// wrong rate.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, or `BW_CODE_BUSY`.
 ///

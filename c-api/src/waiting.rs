@@ -87,14 +87,14 @@ impl<T> Waiting<T> {
         put
     }
 
-    /// Forgets all samples that wait, and what the next one would tell of those before it.
+    /// Drops all samples that wait, and the record of lost samples and of a fault before them.
     ///
     /// # Safety
     /// No call of [`Self::take`] at the same time.
     pub(crate) unsafe fn clear(&self) {
         for _ in 0..PLACES {
             // SAFETY: the same contract.
-            let _forgotten = unsafe { self.take() };
+            let _dropped = unsafe { self.take() };
         }
         self.missed.store(0, Ordering::Relaxed);
         self.found_late.store(false, Ordering::Relaxed);

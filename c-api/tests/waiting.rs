@@ -112,7 +112,7 @@ fn a_restart_drops_what_waits_and_what_was_lost() {
         put(state, row, false);
     }
     collect(state);
-    // Four wait, and the fifth is lost, with a fault that the next one would tell of.
+    // Four wait. The fifth is lost, and its fault would go with the next sample.
     let codes: Vec<BwCode> = rows.iter().skip(3).take(5).map(|row| put(state, row, true)).collect();
     assert_eq!(codes.last(), Some(&BwCode::SampleLost));
     // SAFETY: the state is initialised.

@@ -4,10 +4,10 @@
 //! data frame   number u8, then up to 7 bytes of the stream of frames, or up to 63 with CAN FD
 //! ```
 //!
-//! The number counts data frames and wraps, so that the receiver finds lost and doubled ones. Each frame of the telemetry
-//! begins with a data frame, and zero bytes behind its end fill the last one up to a length that CAN FD has: between
-//! frames they mean nothing. Nothing is acknowledged: a lost data frame costs the frame that it is of, which is counted.
-//! The pieces come in the order in which they were sent, as those of one identifier do on CAN.
+//! The number counts data frames and wraps, so that the receiver finds lost and doubled ones. Each frame of the
+//! telemetry begins with a data frame, and zero bytes behind its end fill the last one up to a length that CAN FD has:
+//! between frames they mean nothing. Nothing is acknowledged: a lost data frame makes the frame bad that it is a part of,
+//! which is counted. The pieces come in the order in which they were sent, as those of one identifier do on CAN.
 //!
 //! Load: a data frame of classic CAN with 11 bits of identifier has at most 135 bits, for 7 bytes of the stream; one of
 //! CAN FD at most some 680 bits at the data rate and 33 at that of the arbitration, for 63.
@@ -114,8 +114,8 @@ impl CanJoin {
         Self::default()
     }
 
-    /// Data frames that are missing by their numbers, at least: of 256 in a row none is missed. A drive that starts again
-    /// counts from 0 again.
+    /// Data frames that are missing by their numbers, at least: of 256 in a row none is missed. A drive that starts
+    /// again counts from 0 again.
     #[must_use]
     pub const fn lost(&self) -> u32 {
         self.lost
@@ -128,8 +128,8 @@ impl CanJoin {
     }
 
     /// Takes the data of a data frame; returns its bytes of the stream, and whether some before it are missing: give a
-    /// [`Decoder`](super::Decoder) a zero byte first, which ends the frame that is cut. `None` of a data frame that came
-    /// twice or is no piece.
+    /// [`Decoder`](super::Decoder) a zero byte first, which ends the frame that is cut. `None` of a data frame that
+    /// came twice or is no piece.
     pub fn take<'d>(&mut self, data: &'d [u8]) -> Option<(bool, &'d [u8])> {
         let (number, bytes) = data.split_first().filter(|(_, bytes)| !bytes.is_empty())?;
         let mut piece = CanPiece { bytes: [0; MOST], length: data.len() };

@@ -164,8 +164,8 @@ impl<P: Plan, F> Watch<P, F> {
 
     /// Compares the number of samples with the clock of the firmware, in milliseconds with wrap-around; no time counts
     /// before the first sample. Call it in the main loop, as often as you like: while samples come at another rate than
-    /// that of training, no segment has a verdict ([`Implausible::Rate`]). Returns whether the rate is right with the call that closes a window of ten
-    /// seconds.
+    /// that of training, no segment has a verdict ([`Implausible::Rate`]). Returns whether the rate is right with the
+    /// call that closes a window of ten seconds.
     pub fn clock(&self, milliseconds: u32) -> Option<bool> {
         let rows = self.link.counters.rows.load(Ordering::Relaxed);
         let check = |main: &mut Main<P>| {

@@ -8,8 +8,8 @@ use crate::code::{BwCode, Outcome};
 use crate::memory::{elements, get};
 use crate::plan::BW_MAX_FURTHER;
 
-/// Whether counts of phases are taken, and whether a quadrature current is: a front end of the library's plan was trained
-/// for one of them, and needs no code for the other.
+/// Whether counts of phases are taken, and whether a quadrature current is: a front end of the library's plan was
+/// trained for one of them, and needs no code for the other.
 const TAKES_COUNTS: bool = !cfg!(bearing_watch_quadrature);
 const TAKES_CURRENT: bool = !cfg!(bearing_watch_front_end) || cfg!(bearing_watch_quadrature);
 

@@ -70,8 +70,8 @@ fn SysTick() {
         let check = CHECK.get_or_insert_with(|| WiringCheck::new(FRONT_END.frame, RATE_HZ, WIRING));
         WATCH.check_wiring(reading, f32::NAN, check);
         if number == COMMISSIONING - 1 {
-            let found = check.conclude();
-            interrupt::free(|cs| WIRED.borrow(cs).set(Some(found)));
+            let wiring = check.conclude();
+            interrupt::free(|cs| WIRED.borrow(cs).set(Some(wiring)));
         }
     } else if WATCH.sample(reading) {
         SCB::set_pendsv();

@@ -45,9 +45,9 @@ const PATIENCE: Duration = Duration::from_millis(50);
 ///
 /// With --can-id or --can-stream the source is a CAN interface of Linux such as can0, or the log of a CAN bus, as
 /// `candump -L` prints it or as an ASC file. The frames of --can-id are segments (SegmentFrame, bw_can_frame): they are
-/// shown with their alarm, and lost, repeated and withdrawn ones are counted. A drive that counts from 1 again has started
-/// again. The frames of --can-stream are pieces of the telemetry (CanPieces, bw_can_stream): reports and recordings as
-/// over a serial line.
+/// shown with their alarm, and lost, repeated and withdrawn ones are counted. A drive that counts from 1 again has
+/// started again. The frames of --can-stream are pieces of the telemetry (CanPieces, bw_can_stream): reports and
+/// recordings as over a serial line.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces\n  \
                   bearing-watch listen can0 --can-id 0x123 --model model.bwm\n  \

@@ -36,9 +36,9 @@ fn log(mut pieces: CanPieces, on_bus: impl Fn(usize) -> usize) -> (String, usize
 fn listen(dir: &Path, source: &str, folder: &str) -> Vec<Value> {
     let stream = if source.ends_with(".log") { "--can-stream 0x124 " } else { "" };
     let text = succeed(dir, &format!("listen {source} {stream}--out {folder} --json"));
-    let found: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    found.iter().for_each(|line| fit(&schema("listen"), line));
-    found
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    lines.iter().for_each(|line| fit(&schema("listen"), line));
+    lines
 }
 
 #[test]
@@ -75,9 +75,9 @@ fn each_lost_data_frame_costs_the_frame_that_it_is_of() {
     let is_lost = |place: usize| place > 100 && place.is_multiple_of(997);
     let (text, count) = log(CanPieces::classic(), |place| usize::from(!is_lost(place)));
     fs::write(dir.join("lossy.log"), text).expect("writable");
-    let found = listen(dir, "lossy.log", "traces");
+    let lines = listen(dir, "lossy.log", "traces");
     let lost = (0..count).filter(|place| is_lost(*place)).count() as u64;
-    let of_kind = |kind: &str| found.iter().find(|line| line["kind"] == kind).expect("a line");
+    let of_kind = |kind: &str| lines.iter().find(|line| line["kind"] == kind).expect("a line");
     let [can, end] = ["can", "end"].map(of_kind);
     assert_eq!(can["lost"].as_u64(), Some(lost));
     assert!(lost > 20, "{lost}");

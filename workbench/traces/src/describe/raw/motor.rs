@@ -127,8 +127,8 @@ impl Motor {
         if by_acceleration.abs() > SAYS { by_acceleration } else { correlation(&currents, &velocities) }
     }
 
-    /// Errors of the offsets of the phases: the part of the direct current, which is constant by (1), that turns against
-    /// the rotor.
+    /// Errors of the offsets of the phases: the part of the direct current, which is constant by (1), that turns
+    /// against the rotor.
     ///
     /// ```text
     /// Re(i exp(−j(p θ + φ))) = c + Re(o exp(−j(p θ + φ)))                                    (3)

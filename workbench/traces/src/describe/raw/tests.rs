@@ -128,13 +128,13 @@ fn what_a_recording_tells_is_written_as_it_is() {
     assert!(text.contains("counts_per_turn = 8000"), "{text}");
     let text = Drive { phases: &[2, 0], ..DRIVE }.found().text;
     assert!(text.contains("columns = [\"adc_c\", \"adc_a\"]") && text.contains("phases = \"ca\""), "{text}");
-    let found = DRIVE.found();
-    let said = found.said.concat();
+    let drive_front_end = DRIVE.found();
+    let said = drive_front_end.said.concat();
     assert!(said.contains("gain_a is 1"), "{said}");
     // The noise follows the gain that a user sets.
-    let set = FrontEndFile::parse(&found.text.replace("1.000000e0", "0.25")).expect("a front end");
-    assert!(found.text.contains("1.000000e0"), "{}", found.text);
-    assert!(set.constants().balance.noise_a == 0.25 * found.file.constants().balance.noise_a);
+    let set = FrontEndFile::parse(&drive_front_end.text.replace("1.000000e0", "0.25")).expect("a front end");
+    assert!(drive_front_end.text.contains("1.000000e0"), "{}", drive_front_end.text);
+    assert!(set.constants().balance.noise_a == 0.25 * drive_front_end.file.constants().balance.noise_a);
     // The largest current of all recordings, and the longest rest.
     let (names, columns) = DRIVE.recorded();
     let others = Extremes::default().with(&[&[4000.0], &[2048.0; 101]]).with(&[&[16_000.0]]);
