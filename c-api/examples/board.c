@@ -5,12 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
 extern uint32_t board_stack_top, board_data_start, board_data_end, board_data_stored, board_bss_start, board_bss_end;
 extern void initialise_monitor_handles(void);
 int main(void);
 void Reset_Handler(void);
 void Fault_Handler(void);
 void PendSV_Handler(void);
+#ifdef __cplusplus
+}
+#endif
 
 #define CPACR (*(volatile uint32_t *)0xE000ED88u)
 #define SYST_CSR (*(volatile uint32_t *)0xE000E010u)

@@ -213,12 +213,12 @@ fn check(way: Way, plan: Plan, example: Example, language: Language) -> Result<S
 }
 
 /// The library for the plan of the standard rig.
-pub fn of_example(way: Way) -> Result<PathBuf> {
+fn of_example(way: Way) -> Result<PathBuf> {
     firmware::build_c_library(way, DRIVE, &Plan::Exported(Model::StandardRig).file(), "")
 }
 
 /// The library for the plan of the simulated actuator.
-fn of_actuator(way: Way) -> Result<PathBuf> {
+pub fn of_actuator(way: Way) -> Result<PathBuf> {
     firmware::build_c_library(way, DRIVE, &Plan::Exported(Model::Actuator).file(), "")
 }
 

@@ -22,8 +22,9 @@ const EXPORTING: [&str; 10] = [
     "telemetry/mod.rs",
 ];
 /// The files of the example.
-const CALLING: [&str; 8] = [
+const CALLING: [&str; 9] = [
     "panic_free.rs",
+    "support/bus_calls.rs",
     "support/converter.rs",
     "support/drive_calls.rs",
     "support/monitor_calls.rs",
@@ -33,9 +34,8 @@ const CALLING: [&str; 8] = [
     "support/telemetry_calls.rs",
 ];
 /// Not for programs of a drive: conversions of the feature `nalgebra`, hidden helpers of macros and constants, and what
-/// a monitor alone calls. And
-/// the verification of a signature, whose crate has index checks that the compiler cannot prove; all of it but the
-/// arithmetic is `Trust::verify_with`.
+/// a monitor alone calls. And the verification of a signature, whose crate has index checks that the compiler cannot
+/// prove; all of it but the arithmetic is `Trust::verify_with`.
 const ELSEWHERE: [&str; 12] = [
     "Estimate::covariance_matrix",
     "Projection::to_matrices",

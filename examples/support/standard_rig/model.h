@@ -142,5 +142,17 @@ static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm 
     }
     return code;
 }
+/* At power-down: ends the run, and writes the `length` bytes that the next start gives to bw_restore. */
+static inline BwCode bw_drive_end_run(BwDrive *drive, uint8_t *bytes, size_t capacity, size_t *length) {
+    BwCode code = bw_end_run(drive->detector);
+    if (code >= 0) { code = bw_saved_size(drive->detector, length); }
+    return code < 0 ? code : bw_save(drive->detector, bytes, capacity);
+}
+/* The word for a verdict: the name of the class, or that of bw_verdict_name. */
+static inline const char *bw_drive_verdict(const BwReport *report) {
+    static const char *const classes[BW_MODEL_CLASSES] = BW_MODEL_CLASS_NAMES;
+    bool named = report->verdict == BW_VERDICT_CLASS && report->class_index < BW_MODEL_CLASSES;
+    return named ? classes[report->class_index] : bw_verdict_name(report->verdict);
+}
 
 #endif

@@ -35,6 +35,7 @@ pub fn encode<P: Plan>(
 pub fn on_can<P: Plan>(model: &Model<P>, report: &Report<P>, evidence: &Evidence<P>) {
     pieces();
     let sent = opaque(SegmentFrame::of(model, opaque(report), opaque(evidence)));
+    crate::bus_calls::by_driver(sent);
     let Some(frame) = SegmentFrame::from_bytes(opaque(SegmentFrame::to_bytes(sent))) else { return };
     opaque((SegmentFrame::segment(frame), SegmentFrame::undetermined(frame), SegmentFrame::usable_percent(frame)));
     opaque((SegmentFrame::deviations(frame), SegmentFrame::distance(frame), SegmentFrame::is_silent(frame)));

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
-use serde_json::Value;
 
-use super::{Folder, blocks, commands, copy, same_classes};
+use super::outcome::Outcome;
+use super::{Folder, blocks, commands, copy};
 use crate::toolchain::Way;
-use crate::{child, elf, firmware, qemu, workspace};
+use crate::{elf, firmware, qemu, workspace};
 
 /// The chapter that goes from an empty folder to firmware.
 pub const CHAPTER: &str = "book/src/firmware.md";
@@ -17,8 +17,7 @@ pub const CHAPTER: &str = "book/src/firmware.md";
 const PACKAGE: &str = "drive-monitor";
 /// Where a crate says how it is run.
 const CONFIGURATION: &str = ".cargo/config.toml";
-/// The model and the recording of the chapter's commands.
-const MODEL: &str = "examples/support/actuator/model.bwm";
+/// The recording of the chapter's commands.
 const TRACE: &str = "start.csv";
 
 /// The chapter's blocks and commands in an empty folder.
@@ -43,41 +42,15 @@ pub fn by_template(way: Way) -> Result<String> {
     verdicts(way, folder.path())
 }
 
-/// Builds the crate of a folder and runs it twice as its configuration says. The classes must be those that `replay`
-/// prints for the same recording, the second run goes on with the state of the first one and ends with an alarm, and the
-/// chapter must quote the first line of both.
+/// Builds the crate of a folder and runs it twice as its configuration says.
 fn verdicts(way: Way, folder: &Path) -> Result<String> {
     // The versions of the workspace, so that the outcome does not depend on the day.
     fs::copy(workspace::root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
     let elf = firmware::build_crate(way, folder, PACKAGE)?;
     ensure!(elf::initialised(&elf)? == 0, "a static that starts with other bytes than zero takes flash, too");
     let run = || qemu::run_by(runner(&fs::read_to_string(folder.join(CONFIGURATION))?)?.current_dir(folder), &elf);
-    let (lines, again) = (run()?, run()?);
-    ensure!(again.iter().any(|line| line.ends_with(", ALARM")), "no alarm in the second run: {again:?}");
-    let classes: Vec<String> = lines.iter().map(|line| line.split(',').next().unwrap_or_default().to_owned()).collect();
-    let outcome = same_classes(&replayed(MODEL, &folder.join(TRACE))?, &classes)?;
-    let chapter = fs::read_to_string(workspace::root().join(CHAPTER))?;
-    for line in [lines.first(), again.first()] {
-        let quoted = line.map(|line| format!("`{line}`")).unwrap_or_default();
-        ensure!(chapter.contains(&quoted), "{CHAPTER} does not quote {quoted}");
-    }
-    let code = lines_of_code(&fs::read_to_string(folder.join("src/main.rs"))?);
-    Ok(format!("{outcome}; {code} lines of code beside what a board has"))
-}
-
-/// Lines that are neither empty nor a comment.
-fn lines_of_code(text: &str) -> usize {
-    text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//")).count()
-}
-
-/// The classes that the host prints for a trace, by a model of the repository.
-pub fn replayed(model: &str, trace: &Path) -> Result<Vec<String>> {
-    let mut replay = workspace::workbench()?;
-    replay.args(["replay", "--json", "--model"]).arg(workspace::root().join(model)).arg(trace);
-    let text = child::output(&mut replay).context("replay failed")?;
-    let segments: Vec<Value> = serde_json::from_str(&text).context("replay printed no list")?;
-    let verdict = |segment: &Value| segment.get("verdict").and_then(Value::as_str).map(ToOwned::to_owned);
-    segments.iter().map(|segment| verdict(segment).context("a segment has no verdict")).collect()
+    let outcome = Outcome { document: CHAPTER, code: &folder.join("src/main.rs"), trace: &folder.join(TRACE) };
+    outcome.of(run()?, &run()?)
 }
 
 /// The command of the configuration's line `runner = "…"`.

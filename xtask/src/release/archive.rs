@@ -14,6 +14,7 @@ use flate2::{Compression, GzBuilder};
 use super::description::{Library, Targets, cmake_config, cmake_version, pkg_config};
 use super::{VERSION, dist, manifests, notices, user};
 use crate::board::DRIVE;
+use crate::newcomer::{Folder, blocks, c};
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::toolchain::Way;
@@ -22,19 +23,15 @@ use crate::{c_symbols, child, firmware, workspace};
 const FILE: &str = "libbearing_watch_c.a";
 
 /// Files of the repository, and their places in the archive.
-const FILES: [(&str, &str); 14] = [
+const FILES: [(&str, &str); 10] = [
     ("CHANGELOG.md", "CHANGELOG.md"),
     ("LICENSE-APACHE", "LICENSE-APACHE"),
     ("LICENSE-MIT", "LICENSE-MIT"),
     ("c-api/ARCHIVE.md", "README.md"),
     ("c-api/README.md", "INTERFACE.md"),
     ("c-api/include/bearing_watch.h", "include/bearing_watch.h"),
-    ("c-api/examples/board.c", "examples/board.c"),
-    ("c-api/examples/board.h", "examples/board.h"),
-    ("c-api/examples/held_out.s", "examples/held_out.s"),
     ("c-api/examples/print.h", "examples/print.h"),
     ("c-api/examples/records.c", "examples/records.c"),
-    ("c-api/examples/stm32f405.ld", "examples/stm32f405.ld"),
     ("examples/support/standard_rig/held_out.bin", "examples/held_out.bin"),
     ("examples/support/standard_rig/model.h", "examples/model.h"),
 ];
@@ -55,6 +52,7 @@ fn make(way: Way) -> Result<PathBuf> {
     for (from, to) in FILES {
         parts.push((to.to_owned(), fs::read(workspace::root().join(from)).with_context(|| from.to_owned())?));
     }
+    parts.extend(project()?);
     let machine = workspace::host()?;
     let targets = Targets { host: &machine, chip: DRIVE.target };
     let library = Library { version: VERSION, targets, system: &system };
@@ -82,6 +80,20 @@ fn make(way: Way) -> Result<PathBuf> {
 /// Start and end of the archive's name.
 pub const NAME: &str = "bearing-watch-c";
 pub const ENDING: &str = ".tar.gz";
+
+/// The project of the documents, with its recording, in `firmware/`.
+fn project() -> Result<Vec<(String, Vec<u8>)>> {
+    let folder = Folder::new("for-archive")?;
+    c::write_project(folder.path(), &workspace::root())?;
+    let blocks = blocks::of_document(user::DOCUMENT)?;
+    for name in user::OF_FIRMWARE {
+        // These take the place of those that use a checkout.
+        blocks::write(&[blocks::named(&blocks, name)?.clone()], folder.path(), &workspace::root())?;
+    }
+    let names = c::FILES.iter().chain(&["main.c", "Makefile", "CMakeLists.txt"]).chain(&user::OF_FIRMWARE);
+    let file = |name: &str| fs::read(folder.path().join(name)).with_context(|| format!("no {name}"));
+    names.map(|name| Ok((format!("firmware/{name}"), file(name)?))).collect()
+}
 
 /// The library for this machine and any model, and what a program links with besides.
 fn for_host() -> Result<(PathBuf, String)> {

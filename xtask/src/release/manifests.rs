@@ -3,7 +3,7 @@
 //! | for | files | checked by |
 //! |---|---|---|
 //! | Zephyr | `zephyr/module.yml`, `Kconfig`, `CMakeLists.txt` | a CMake project with stand-ins of Zephyr's functions |
-//! | PlatformIO | `library.json`, `platformio.py` | PlatformIO's own packer, which pip installs |
+//! | PlatformIO | `library.json`, `platformio.py` | PlatformIO's own packer and build, which pip installs |
 //! | Arduino | `library.properties`, `src/` | the keys of its library specification |
 //! | CMSIS | `bearing-watch.pdsc` | an XML reader |
 //!
@@ -80,13 +80,17 @@ fn platformio(library: &Library<'_>) -> String {
 fn platformio_script(library: &Library<'_>) -> String {
     let chip = library.targets.chip;
     format!(
-        "# Links the library of the archive; the chip must have a floating-point unit of single precision.
+        "# Links the library of the archive, which is for chips that pass numbers in registers of a floating-point unit.
+import sys
 from os.path import join
 
-Import(\"env\", \"projenv\")
-folder = join(env.subst(\"$PROJECT_LIBDEPS_DIR\"), env.subst(\"$PIOENV\"), \"{NAME}\", \"lib\", \"{chip}\")
-for own in (env, projenv):
-    own.Append(LIBPATH=[folder], LIBS=[\"bearing_watch_c\", \"m\"])
+Import(\"env\", \"pio_lib_builder\")
+unit = [flag for flag in map(str, env[\"CCFLAGS\"]) if flag.startswith((\"-mfpu=\", \"-mfloat-abi=\"))]
+if \"-mfloat-abi=hard\" not in unit:
+    sys.stderr.write(\"error: bearing-watch needs build_flags = -mfpu=fpv4-sp-d16 -mfloat-abi=hard\\n\")
+    env.Exit(1)
+folder = join(pio_lib_builder.path, \"lib\", \"{chip}\")
+env.Append(LIBPATH=[folder], LIBS=[\"bearing_watch_c\", \"m\"], LINKFLAGS=unit)
 "
     )
 }

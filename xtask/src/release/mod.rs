@@ -21,6 +21,7 @@ mod manifests;
 mod notices;
 mod oldest;
 mod packages;
+mod platformio;
 mod sbom;
 mod user;
 mod wheel;

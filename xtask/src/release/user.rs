@@ -3,19 +3,23 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 
-use super::{archive, dist};
-use crate::newcomer::{Folder, blocks, c, same_classes, shell};
+use super::{archive, dist, platformio};
+use crate::board::DRIVE;
+use crate::newcomer::outcome::{Outcome, same_classes};
+use crate::newcomer::{Folder, blocks, c, copy, shell, timed};
 use crate::tally::Tally;
 use crate::target::{brief, on_host};
-use crate::{child, log, python, workspace};
+use crate::{child, log, qemu, workspace};
 
-const DOCUMENT: &str = "c-api/ARCHIVE.md";
+pub const DOCUMENT: &str = "c-api/ARCHIVE.md";
 /// The files of the document that go into a project of firmware.
-const OF_FIRMWARE: [&str; 2] = ["bearing_watch.mk", "cubemx.cmake"];
+pub const OF_FIRMWARE: [&str; 2] = ["bearing_watch.mk", "cubemx.cmake"];
+/// Where the document has the unpacked archive.
+pub const UNPACKED: &str = "bearing-watch";
 
 /// A shell command in the project, and the program that it makes.
 const ON_HOST: [(&str, &str, &str); 2] = [
@@ -33,21 +37,37 @@ pub fn checks(tally: &mut Tally) {
             tally.missing(&title, "not installed");
         }
     }
+    let recorded = match Recorded::new() {
+        Ok(recorded) => recorded,
+        Err(reason) => return tally.check::<&str, _>("the recording", Err(format!("{reason:#}"))),
+    };
     for builder in &c::BUILDERS {
-        let title = format!("the archive in empty firmware, {}", builder.program);
-        tally.check(&title, brief(firmware(builder)));
+        tally.check(&builder.titled("the archive in empty firmware"), brief(timed(|| firmware(builder, &recorded))));
     }
-    tally.check("the archive as a module of Zephyr", brief(zephyr()));
-    let title = "the archive as a library of PlatformIO";
-    match platformio() {
-        Ok(python) => tally.check(title, brief(packed(&python))),
-        Err(reason) => tally.missing(title, &format!("{reason:#}")),
+    tally.check("the archive as a module of Zephyr", brief(timed(|| zephyr(&recorded))));
+    platformio::checks(tally, &recorded);
+}
+
+/// The recording whose rows are in the archive.
+pub struct Recorded(Folder);
+
+impl Recorded {
+    fn new() -> Result<Self> {
+        let folder = Folder::new("recorded")?;
+        c::write_project(folder.path(), &workspace::root())?;
+        Ok(Self(folder))
+    }
+
+    /// Runs a program of a folder in the emulator, twice. The classes must be those of the host.
+    pub fn outcome(&self, code: &Path, folder: &Path, program: &str) -> Result<String> {
+        let run = || qemu::run_in(folder, &folder.join(program), DRIVE.machine, qemu::Echo::Off);
+        Outcome { document: DOCUMENT, code, trace: &self.0.path().join(c::TRACE) }.of(run()?, &run()?)
     }
 }
 
 /// The functions of Zephyr that the module calls, for the program `drive`, and the module.
 const ZEPHYR: &str = "
-add_executable(${CMAKE_PROJECT_NAME} main.c detector.c board.c held_out.s)
+add_executable(${CMAKE_PROJECT_NAME} main.c recorded_drive.c board.c rows.s)
 target_include_directories(${CMAKE_PROJECT_NAME} PRIVATE model)
 function(zephyr_include_directories)
     target_include_directories(${CMAKE_PROJECT_NAME} PRIVATE ${ARGV})
@@ -56,60 +76,37 @@ function(zephyr_link_libraries)
     target_link_libraries(${CMAKE_PROJECT_NAME} m c ${ARGV})
 endfunction()
 set(CONFIG_BEARING_WATCH y)
-add_subdirectory(bearing-watch/zephyr zephyr-module)
+add_subdirectory(../bearing-watch/zephyr zephyr-module)
 ";
 
-/// The project of the interface's document by CMake, in which the module takes the place of the library.
-fn zephyr() -> Result<String> {
-    let folder = Folder::new("firmware-zephyr")?;
-    unpacked(folder.path())?;
-    c::write_project(folder.path(), &workspace::root())?;
-    let file = folder.path().join("CMakeLists.txt");
+/// The project by CMake, in which the module takes the place of the library.
+fn zephyr(recorded: &Recorded) -> Result<String> {
+    let folder = Folder::new("zephyr")?;
+    let project = project(folder.path())?;
+    let file = project.join("CMakeLists.txt");
     let text = fs::read_to_string(&file)?;
     let (settings, _) = text.split_once("add_executable(").context("the project has no program")?;
     fs::write(&file, format!("{settings}{ZEPHYR}"))?;
-    let [_, cmake] = &c::BUILDERS;
-    c::verdicts(cmake, folder.path())
+    let [.., cmake] = &c::BUILDERS;
+    built(cmake, &project, recorded)
 }
 
-/// The version of PlatformIO, and what it says where it cannot have the list of licences.
-const PLATFORMIO: &str = "platformio==6.2.0";
-const NO_LICENCES: &str = "{'license': ['Could not load SPDX licenses for validation']}";
-
-/// Python of an environment with PlatformIO.
-fn platformio() -> Result<PathBuf> {
-    let python = python::venv(&workspace::target_dir().join("tools/platformio"), false)?;
-    let mut install = Command::new(&python);
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", PLATFORMIO]);
-    child::succeed(&mut install).context("PlatformIO cannot be installed")?;
-    Ok(python)
+fn firmware(builder: &c::Builder, recorded: &Recorded) -> Result<String> {
+    let folder = Folder::new("firmware")?;
+    built(builder, &project(folder.path())?, recorded)
 }
 
-/// PlatformIO's own packer reads the manifest and takes the files.
-fn packed(python: &Path) -> Result<&'static str> {
-    let folder = Folder::new("platformio")?;
-    unpacked(folder.path())?;
-    let pack = || {
-        let mut pack = Command::new(python);
-        pack.args(["-m", "platformio", "pkg", "pack", "bearing-watch"]).current_dir(folder.path());
-        child::captured(pack.env("PLATFORMIO_CORE_DIR", folder.path().join("core")))
-    };
-    let text = |output: Output| String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
-    let outcome = pack()?;
-    if outcome.status.success() {
-        return Ok("packed");
-    }
-    let said = text(outcome);
-    ensure!(said.contains(NO_LICENCES), "{said}");
-    // Of all fields, this one alone was not right: the others are checked without it.
-    let manifest = folder.path().join("bearing-watch/library.json");
-    let all = fs::read_to_string(&manifest)?;
-    let others: Vec<&str> = all.lines().filter(|line| !line.trim_start().starts_with("\"license\"")).collect();
-    ensure!(others.len() + 1 == all.lines().count(), "the manifest has no line with its licence");
-    fs::write(manifest, others.join("\n"))?;
-    let outcome = pack()?;
-    ensure!(outcome.status.success(), "{}", text(outcome));
-    Ok("packed, with its licence unchecked: no access to the list of licences")
+/// The archive in a folder, and a copy of its project beside it.
+fn project(folder: &Path) -> Result<PathBuf> {
+    unpacked(folder)?;
+    let project = folder.join("firmware");
+    copy(&folder.join(UNPACKED).join("firmware"), &project)?;
+    Ok(project)
+}
+
+fn built(builder: &c::Builder, project: &Path, recorded: &Recorded) -> Result<String> {
+    builder.build(project)?;
+    recorded.outcome(&project.join("main.c"), project, builder.result)
 }
 
 fn records(name: &str, build: &str, result: &str) -> Result<String> {
@@ -128,19 +125,8 @@ fn classes(lines: &[String]) -> Vec<String> {
     log::verdicts(lines).into_iter().map(ToOwned::to_owned).collect()
 }
 
-fn firmware(builder: &c::Builder) -> Result<String> {
-    let folder = Folder::new(&format!("firmware-{}", builder.program))?;
-    let blocks = unpacked(folder.path())?;
-    c::write_project(folder.path(), &workspace::root())?;
-    // These take the place of those that use a checkout.
-    for name in OF_FIRMWARE {
-        blocks::write(&[blocks::named(&blocks, name)?.clone()], folder.path(), &workspace::root())?;
-    }
-    c::verdicts(builder, folder.path())
-}
-
 /// Follows the commands of the document in a folder that has the archive; returns the document's files.
-fn unpacked(folder: &Path) -> Result<Vec<blocks::Block>> {
+pub fn unpacked(folder: &Path) -> Result<Vec<blocks::Block>> {
     let archive = dist::find(archive::NAME, archive::ENDING)?;
     fs::copy(&archive, folder.join(archive.file_name().context("no name")?))?;
     let blocks = blocks::of_document(DOCUMENT)?;

@@ -8,7 +8,8 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 
 use super::dist;
-use crate::newcomer::{Folder, crates::replayed, same_classes};
+use crate::newcomer::Folder;
+use crate::newcomer::outcome::{replayed, same_classes};
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::tools::MATURIN;

@@ -193,6 +193,18 @@ static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm 
     }
     return code;
 }
+/* At power-down: ends the run, and writes the `length` bytes that the next start gives to bw_restore. */
+static inline BwCode bw_drive_end_run(BwDrive *drive, uint8_t *bytes, size_t capacity, size_t *length) {
+    BwCode code = bw_end_run(drive->detector);
+    if (code >= 0) { code = bw_saved_size(drive->detector, length); }
+    return code < 0 ? code : bw_save(drive->detector, bytes, capacity);
+}
+/* The word for a verdict: the name of the class, or that of bw_verdict_name. */
+static inline const char *bw_drive_verdict(const BwReport *report) {
+    static const char *const classes[BW_MODEL_CLASSES] = BW_MODEL_CLASS_NAMES;
+    bool named = report->verdict == BW_VERDICT_CLASS && report->class_index < BW_MODEL_CLASSES;
+    return named ? classes[report->class_index] : bw_verdict_name(report->verdict);
+}
 ";
 
 #[cfg(test)]
@@ -269,7 +281,9 @@ park = \"standard\"
         let text = "#include \"model.h\"\nstatic BwDrive drive;\nint run(void) {\n    static BwReading now;\n    \
                     BwReport report;\n    BwAlarm alarm;\n    bw_drive_start(&drive, &bw_front_end);\n    \
                     bw_drive_sample(&drive, &now);\n    bw_drive_collect(&drive);\n    bw_drive_clock(&drive, 5u);\n    \
-                    return bw_drive_advance(&drive, &report, &alarm);\n}\n";
+                    return bw_drive_advance(&drive, &report, &alarm);\n}\nint stop(uint8_t *bytes, size_t size) {\n    \
+                    size_t length;\n    BwReport report;\n    bw_report(drive.detector, &report);\n    \
+                    return bw_drive_verdict(&report) ? bw_drive_end_run(&drive, bytes, size, &length) : 0;\n}\n";
         std::fs::write(&file, text).expect("writable");
         let positions = [
             "counts = \"n\"\nbits = 14\n",
