@@ -3,6 +3,8 @@
 #
 #     sh export.sh PREFIX LIBRARY OUT      PREFIX of the binary utilities: arm-none-eabi- for chips, '' for this machine
 #
+# LD_FLAGS has what the linker must be told of the chip, as `-m elf32lriscv` for RISC-V of 32 bits.
+#
 # The library that cargo makes also defines, as weak symbols, functions such as `sinf`, `memcpy` and `__aeabi_dmul`,
 # which Rust brings along. Where it comes before the C library on the linker's command line, as always with g++, they
 # would serve the whole program: several times slower, and without a message.
@@ -14,7 +16,7 @@ object=${out%.a}.o
 # Sections are not merged, also those of texts: --gc-sections of the program's link still leaves out what is not called.
 roots=$("${prefix}nm" -g --defined-only "$library" 2>/dev/null | sed -n 's/^.* T \(bw_[a-z0-9_]*\)$/-u \1/p' | sort -u)
 # shellcheck disable=SC2086
-"${prefix}ld" -r --gc-sections --unique='.rodata.str*' $roots "$library" -o "$object"
+"${prefix}ld" ${LD_FLAGS:-} -r --gc-sections --unique='.rodata.str*' $roots "$library" -o "$object"
 # Bitcode of the compiler's own library, which is not code of the program, cannot be joined.
 "${prefix}objcopy" --wildcard --keep-global-symbol='bw_*' --remove-section=.llvmbc --remove-section=.llvmcmd "$object"
 rm -f "$out"

@@ -1,4 +1,4 @@
-@ Recorded traces of the standard rig: three 16-bit counts a sample.
+/* Recorded traces of the standard rig: three 16-bit counts a sample. */
     .section .rodata.held_out, "a"
     .balign 4
     .global held_out_start, held_out_end

@@ -28,6 +28,13 @@ pub enum Memory {
     Linker(&'static str),
 }
 
+impl Board {
+    /// The prefix of the binary utilities for this processor, and what their linker must be told of it.
+    pub fn utilities(self) -> (&'static str, &'static str) {
+        if self.target == RISCV.target { ("riscv64-unknown-elf-", "-m elf32lriscv") } else { ("arm-none-eabi-", "") }
+    }
+}
+
 impl Memory {
     /// The file of the map.
     pub fn file(self) -> PathBuf {
@@ -43,6 +50,10 @@ impl Memory {
 /// The chip of many motor drives, an STM32F405.
 pub const DRIVE: Board =
     Board { core: "Cortex-M4F", machine: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: Memory::Top };
+
+/// A processor of another architecture, for the C library: the emulator's machine has any core of 32 bits.
+pub const RISCV: Board =
+    Board { core: "RV32IMAFC", machine: "virt", target: "riscv32imafc-unknown-none-elf", memory: Memory::Top };
 
 /// What a C compiler needs to know of [`DRIVE`].
 pub const DRIVE_FLAGS: [&str; 4] = ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"];

@@ -11,11 +11,13 @@ use crate::{child, elf, workspace};
 /// The name of the library that exports the interface only, beside the one that cargo makes.
 const FILE: &str = "libbearing_watch.a";
 
-/// Makes the library by the script that users call, with the binary utilities of a prefix.
-pub fn export(prefix: &str, library: &Path) -> Result<PathBuf> {
+/// Makes the library by the script that users call, with the binary utilities of a prefix and options of their linker.
+pub fn export((prefix, options): (&str, &str), library: &Path) -> Result<PathBuf> {
     let made = library.with_file_name(FILE);
     let script = workspace::root().join("c-api/export.sh");
-    child::succeed(Command::new("sh").arg(script).args([prefix]).args([library, &made]))?;
+    let mut shell = Command::new("sh");
+    shell.arg(script).arg(prefix).args([library, &made]).env("LD_FLAGS", options);
+    child::succeed(&mut shell)?;
     Ok(made)
 }
 

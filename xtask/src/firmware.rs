@@ -113,7 +113,7 @@ fn c_library((way, board): (Way, Board), plan: &str, arguments: &[&str]) -> Resu
     let (mut cargo, folder) = cargo(way, board);
     cargo.env("BEARING_WATCH_PLAN", plan);
     child::succeed(cargo.args(["--package", "bearing-watch-c", "--lib"]).args(arguments))?;
-    c_symbols::export("arm-none-eabi-", &existing(folder.join("libbearing_watch_c.a"))?)
+    c_symbols::export(board.utilities(), &existing(folder.join("libbearing_watch_c.a"))?)
 }
 
 /// Builds a crate outside the workspace, in its folder and with its configuration, and returns its ELF file.

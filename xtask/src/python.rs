@@ -50,6 +50,15 @@ pub fn checks(tally: &mut Tally) {
     tally.check("types of the extension module", succeed(stubs));
 }
 
+/// Python of an environment with packages of PyPI, in a folder of the tools.
+pub fn with_packages(folder: &str, packages: &[&str]) -> Result<PathBuf> {
+    let python = venv(&workspace::target_dir().join("tools").join(folder), false)?;
+    let mut install = Command::new(&python);
+    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(packages);
+    child::succeed(&mut install).with_context(|| format!("{} cannot be installed", packages.join(" and ")))?;
+    Ok(python)
+}
+
 /// The folder of the package.
 fn package() -> PathBuf {
     workspace::root().join("python")

@@ -75,6 +75,15 @@ pub fn trace(
     Ok(receiver.try_iter().collect())
 }
 
+/// Runs a program for RISC-V, whose output by semihosting is not that of the console.
+pub fn run_riscv(elf: &Path, machine: &str) -> Result<Vec<String>> {
+    let mut emulator = Command::new("qemu-system-riscv32");
+    emulator.args(["-machine", machine, "-bios", "none", "-display", "none", "-serial", "none", "-monitor", "none"]);
+    emulator.args(["-chardev", "stdio,id=out", "-semihosting-config", "enable=on,target=native,chardev=out"]);
+    emulator.args(["-icount", "shift=8", "-kernel"]).arg(elf);
+    within(&mut emulator, PATIENCE, Echo::Off, None).with_context(|| title(elf, machine))
+}
+
 fn emulator(folder: &Path, elf: &Path, machine: &str) -> Result<Command> {
     let mut emulator = Command::new(PROGRAM);
     emulator

@@ -12,8 +12,8 @@ use anyhow::{Context, Result, ensure};
 use flate2::{Compression, GzBuilder};
 
 use super::description::{Library, Targets, cmake_config, cmake_version, pkg_config};
-use super::{VERSION, dist, manifests, notices, user};
-use crate::board::DRIVE;
+use super::{VERSION, dist, manifests, notices, riscv, user};
+use crate::board::{DRIVE, RISCV};
 use crate::newcomer::{Folder, blocks, c};
 use crate::tally::Tally;
 use crate::target::brief;
@@ -23,16 +23,18 @@ use crate::{c_symbols, child, firmware, workspace};
 const FILE: &str = "libbearing_watch_c.a";
 
 /// Files of the repository, and their places in the archive.
-const FILES: [(&str, &str); 10] = [
+const FILES: [(&str, &str); 12] = [
     ("CHANGELOG.md", "CHANGELOG.md"),
     ("LICENSE-APACHE", "LICENSE-APACHE"),
     ("LICENSE-MIT", "LICENSE-MIT"),
     ("c-api/ARCHIVE.md", "README.md"),
     ("c-api/README.md", "INTERFACE.md"),
     ("c-api/include/bearing_watch.h", "include/bearing_watch.h"),
+    ("c-api/examples/BearingWatch/BearingWatch.ino", "examples/BearingWatch/BearingWatch.ino"),
     ("c-api/examples/print.h", "examples/print.h"),
     ("c-api/examples/records.c", "examples/records.c"),
     ("examples/support/standard_rig/held_out.bin", "examples/held_out.bin"),
+    ("examples/support/standard_rig/model.h", "examples/BearingWatch/model.h"),
     ("examples/support/standard_rig/model.h", "examples/model.h"),
 ];
 
@@ -43,6 +45,7 @@ pub fn checks(tally: &mut Tally, way: Way) {
     tally.check("archive of the C library", brief(made.map(|path| path.display().to_string())));
     if there {
         user::checks(tally);
+        riscv::checks(tally);
     }
 }
 
@@ -54,17 +57,19 @@ fn make(way: Way) -> Result<PathBuf> {
     }
     parts.extend(project()?);
     let machine = workspace::host()?;
-    let targets = Targets { host: &machine, chip: DRIVE.target };
+    let targets = Targets { host: &machine, chip: DRIVE.target, riscv: RISCV.target };
     let library = Library { version: VERSION, targets, system: &system };
     parts.push(("lib/pkgconfig/bearing-watch.pc".into(), pkg_config(&library).into()));
     let cmake = |name: &str| format!("lib/cmake/bearing-watch/bearing-watch-{name}.cmake");
     parts.push((cmake("config"), cmake_config(&library).into()));
     parts.push((cmake("config-version"), cmake_version(VERSION).into()));
     // Elsewhere the binary utilities are others.
-    let host = if cfg!(target_os = "linux") { c_symbols::export("", &host)? } else { host };
+    let host = if cfg!(target_os = "linux") { c_symbols::export(("", ""), &host)? } else { host };
     parts.push((format!("lib/{}/{FILE}", targets.host), stripped("strip", &host)?));
     let chip = firmware::build_c_library(way, DRIVE, "", "")?;
     let chip = stripped("arm-none-eabi-strip", &chip)?;
+    let riscv = stripped("riscv64-unknown-elf-strip", &riscv::library(way)?)?;
+    parts.push((format!("lib/{}/{FILE}", targets.riscv), riscv));
     // The Arduino IDE takes libraries and headers from folders of its own.
     let header = fs::read(workspace::root().join("c-api/include/bearing_watch.h"))?;
     parts.extend(manifests::ARDUINO.map(|folder| (format!("src/{folder}/{FILE}"), chip.clone())));

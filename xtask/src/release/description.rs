@@ -7,6 +7,8 @@ pub struct Targets<'a> {
     pub host: &'a str,
     /// Of the drive's chip.
     pub chip: &'a str,
+    /// Of a chip of ESP-IDF.
+    pub riscv: &'a str,
 }
 
 /// What a file says.
@@ -40,7 +42,7 @@ Libs.private: {system}
 
 /// `bearing-watch-config.cmake`: the target `bearing-watch::bearing-watch` for the system of the project.
 pub fn cmake_config(library: &Library<'_>) -> String {
-    let Library { targets: Targets { host, chip }, system, .. } = library;
+    let Library { targets: Targets { host, chip, .. }, system, .. } = library;
     let processor = host.split('-').next().unwrap_or_default();
     let system: Vec<&str> = system.split_whitespace().filter_map(|flag| flag.strip_prefix("-l")).collect();
     format!(
@@ -107,7 +109,7 @@ mod tests {
 
     const LIBRARY: Library<'_> = Library {
         version: "0.3.1",
-        targets: Targets { host: "x86_64-unknown-linux-gnu", chip: "thumbv7em-none-eabihf" },
+        targets: Targets { host: "x86_64-unknown-linux-gnu", chip: "thumbv7em-none-eabihf", riscv: "riscv32" },
         system: "-lgcc_s -lm -lc",
     };
 

@@ -2,12 +2,13 @@
 //!
 //! | for | files | checked by |
 //! |---|---|---|
-//! | Zephyr | `zephyr/module.yml`, `Kconfig`, `CMakeLists.txt` | a CMake project with stand-ins of Zephyr's functions |
+//! | Zephyr | `zephyr/module.yml`, `Kconfig`, `CMakeLists.txt` | kconfiglib, and a CMake project with stand-ins of Zephyr's functions |
 //! | PlatformIO | `library.json`, `platformio.py` | PlatformIO's own packer and build, which pip installs |
-//! | Arduino | `library.properties`, `src/` | the keys of its library specification |
+//! | Arduino | `library.properties`, `src/` | the keys of its library specification, and its sketch with a stand-in core |
 //! | CMSIS | `bearing-watch.pdsc` | an XML reader |
+//! | ESP-IDF | `CMakeLists.txt`, `idf_component.yml` | its component manager, and CMake with stand-ins of its functions |
 //!
-//! ESP-IDF has none: the library of the archive is for Arm, and Rust has no target of its Xtensa chips.
+//! Rust has no target of the Xtensa chips of ESP-IDF, and a chip without floating-point unit is too slow.
 
 use super::description::Library;
 
@@ -33,6 +34,8 @@ pub fn files(library: &Library<'_>) -> Vec<(String, String)> {
         ("platformio.py", platformio_script(library)),
         ("library.properties", arduino(library)),
         ("bearing-watch.pdsc", pdsc(library)),
+        ("CMakeLists.txt", esp_idf_cmake(library)),
+        ("idf_component.yml", esp_idf(library)),
     ];
     all.into_iter().map(|(name, text)| (name.to_owned(), text)).collect()
 }
@@ -141,6 +144,31 @@ fn pdsc(library: &Library<'_>) -> String {
     )
 }
 
+fn esp_idf_cmake(library: &Library<'_>) -> String {
+    format!(
+        "# The archive as a component of ESP-IDF; other projects use find_package(bearing-watch).
+if(NOT ESP_PLATFORM)
+    message(FATAL_ERROR \"this file is for ESP-IDF: use find_package(bearing-watch)\")
+endif()
+idf_component_register(INCLUDE_DIRS include)
+if(NOT CONFIG_IDF_TARGET_ARCH_RISCV OR NOT CONFIG_SOC_CPU_HAS_FPU)
+    message(FATAL_ERROR \"bearing-watch needs a RISC-V chip with a floating-point unit, such as the ESP32-P4\")
+endif()
+add_prebuilt_library(bearing_watch_c lib/{}/libbearing_watch_c.a)
+target_link_libraries(${{COMPONENT_LIB}} INTERFACE bearing_watch_c m)
+",
+        library.targets.riscv
+    )
+}
+
+fn esp_idf(library: &Library<'_>) -> String {
+    format!(
+        "version: \"{}\"\ndescription: {SENTENCE}\nurl: https://crates.io/crates/bearing-watch-c\nlicense: {LICENCE}\n\
+         targets:\n  - esp32p4\ndependencies:\n  idf: \">=5.3\"\n",
+        library.version
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::description::Targets;
@@ -148,7 +176,7 @@ mod tests {
 
     const LIBRARY: Library<'_> = Library {
         version: "0.3.1",
-        targets: Targets { host: "x86_64-unknown-linux-gnu", chip: "thumbv7em-none-eabihf" },
+        targets: Targets { host: "x86_64-unknown-linux-gnu", chip: "thumbv7em-none-eabihf", riscv: "riscv32" },
         system: "-lm",
     };
 
@@ -161,7 +189,7 @@ mod tests {
         for name in ["zephyr/CMakeLists.txt", "platformio.py", "bearing-watch.pdsc"] {
             assert!(text(name).contains("thumbv7em-none-eabihf"), "{name}");
         }
-        for name in ["library.json", "library.properties", "bearing-watch.pdsc"] {
+        for name in ["library.json", "library.properties", "bearing-watch.pdsc", "idf_component.yml"] {
             assert!(text(name).contains("0.3.1"), "{name}");
         }
     }

@@ -12,6 +12,7 @@
 //! ```
 
 mod archive;
+mod arduino;
 mod copy;
 mod description;
 mod dist;
@@ -22,9 +23,11 @@ mod notices;
 mod oldest;
 mod packages;
 mod platformio;
+mod riscv;
 mod sbom;
 mod user;
 mod wheel;
+mod zephyr;
 
 use std::fs;
 use std::process::Command;

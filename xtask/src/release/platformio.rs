@@ -4,7 +4,7 @@
 //! this machine, which the stand-ins in `c-api/tests/platformio` name.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use anyhow::{Context, Result, ensure};
@@ -27,22 +27,13 @@ const FLAGS: &str = "build_flags = -mfpu=fpv4-sp-d16 -mfloat-abi=hard\n";
 /// Packs the archive, and builds a project with it.
 pub fn checks(tally: &mut Tally, recorded: &Recorded) {
     let titles = ["the archive packed by PlatformIO", "the archive in a project of PlatformIO"];
-    match environment() {
+    match python::with_packages("platformio", &PACKAGES) {
         Ok(python) => {
             tally.check(titles[0], brief(packed(&python)));
             tally.check(titles[1], brief(timed(|| firmware(&python, recorded))));
         }
         Err(reason) => titles.iter().for_each(|title| tally.missing(title, &format!("{reason:#}"))),
     }
-}
-
-/// Python of an environment with PlatformIO.
-fn environment() -> Result<PathBuf> {
-    let python = python::venv(&workspace::target_dir().join("tools/platformio"), false)?;
-    let mut install = Command::new(&python);
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(PACKAGES);
-    child::succeed(&mut install).context("PlatformIO cannot be installed")?;
-    Ok(python)
 }
 
 /// Runs PlatformIO in a project; whether it succeeded, and what it said.

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use super::{archive, dist, platformio};
+use super::{archive, arduino, dist, platformio, zephyr};
 use crate::board::DRIVE;
 use crate::newcomer::outcome::{Outcome, same_classes};
 use crate::newcomer::{Folder, blocks, c, copy, shell, timed};
@@ -44,8 +44,9 @@ pub fn checks(tally: &mut Tally) {
     for builder in &c::BUILDERS {
         tally.check(&builder.titled("the archive in empty firmware"), brief(timed(|| firmware(builder, &recorded))));
     }
-    tally.check("the archive as a module of Zephyr", brief(timed(|| zephyr(&recorded))));
+    zephyr::checks(tally, &recorded);
     platformio::checks(tally, &recorded);
+    tally.check("the sketch of the archive as the Arduino IDE builds it", brief(arduino::sketch()));
 }
 
 /// The recording whose rows are in the archive.
@@ -65,46 +66,21 @@ impl Recorded {
     }
 }
 
-/// The functions of Zephyr that the module calls, for the program `drive`, and the module.
-const ZEPHYR: &str = "
-add_executable(${CMAKE_PROJECT_NAME} main.c recorded_drive.c board.c rows.s)
-target_include_directories(${CMAKE_PROJECT_NAME} PRIVATE model)
-function(zephyr_include_directories)
-    target_include_directories(${CMAKE_PROJECT_NAME} PRIVATE ${ARGV})
-endfunction()
-function(zephyr_link_libraries)
-    target_link_libraries(${CMAKE_PROJECT_NAME} m c ${ARGV})
-endfunction()
-set(CONFIG_BEARING_WATCH y)
-add_subdirectory(../bearing-watch/zephyr zephyr-module)
-";
-
-/// The project by CMake, in which the module takes the place of the library.
-fn zephyr(recorded: &Recorded) -> Result<String> {
-    let folder = Folder::new("zephyr")?;
-    let project = project(folder.path())?;
-    let file = project.join("CMakeLists.txt");
-    let text = fs::read_to_string(&file)?;
-    let (settings, _) = text.split_once("add_executable(").context("the project has no program")?;
-    fs::write(&file, format!("{settings}{ZEPHYR}"))?;
-    let [.., cmake] = &c::BUILDERS;
-    built(cmake, &project, recorded)
-}
-
 fn firmware(builder: &c::Builder, recorded: &Recorded) -> Result<String> {
     let folder = Folder::new("firmware")?;
     built(builder, &project(folder.path())?, recorded)
 }
 
 /// The archive in a folder, and a copy of its project beside it.
-fn project(folder: &Path) -> Result<PathBuf> {
+pub fn project(folder: &Path) -> Result<PathBuf> {
     unpacked(folder)?;
     let project = folder.join("firmware");
     copy(&folder.join(UNPACKED).join("firmware"), &project)?;
     Ok(project)
 }
 
-fn built(builder: &c::Builder, project: &Path, recorded: &Recorded) -> Result<String> {
+/// Builds a project and runs it.
+pub fn built(builder: &c::Builder, project: &Path, recorded: &Recorded) -> Result<String> {
     builder.build(project)?;
     recorded.outcome(&project.join("main.c"), project, builder.result)
 }

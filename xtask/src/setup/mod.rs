@@ -17,7 +17,8 @@ use crate::child;
 use crate::toolchain::{self, Way};
 
 pub use need::{
-    BROWSER, C_COMPILER, CMAKE, COMPILER, EMULATOR, LLVM, LLVM_VERSION, MAKE, Need, PIP, PYTHON, of_compiler, pip,
+    BROWSER, C_COMPILER, CMAKE, COMPILER, EMULATOR, LLVM, LLVM_VERSION, MAKE, Need, PIP, PYTHON, RISCV, of_compiler,
+    picolibc, pip,
 };
 
 /// What the tests need besides firmware.

@@ -76,6 +76,35 @@ pub static C_COMPILER: Need = Need {
     elsewhere: "gcc-arm-embedded",
 };
 
+/// C compiler, C library and emulator for [`RISCV`](crate::board::RISCV).
+pub static RISCV: Need = Need {
+    name: "riscv",
+    title: "compiler and emulator for RISC-V",
+    packages: &[
+        "gcc-riscv64-unknown-elf",
+        "binutils-riscv64-unknown-elf",
+        "picolibc-riscv64-unknown-elf",
+        "qemu-system-misc",
+    ],
+    programs: &["usr/bin/riscv64-unknown-elf-*", "usr/bin/qemu-system-riscv32"],
+    links: &[],
+    by_name: true,
+    serves: |path| {
+        child::works(called("riscv64-unknown-elf-gcc", path).arg("--version"))
+            && child::works(called("qemu-system-riscv32", path).arg("--version"))
+            && picolibc().is_dir()
+    },
+    elsewhere: "riscv-gnu-toolchain",
+};
+
+/// The folder of the C library for RISC-V, below that of `--picolibc-prefix`.
+pub fn picolibc() -> PathBuf {
+    let own = unpacked::root(&RISCV).join("usr");
+    let installed = PathBuf::from("/usr");
+    let library = |prefix: &Path| prefix.join("lib/picolibc/riscv64-unknown-elf");
+    library(if library(&own).is_dir() { &own } else { &installed })
+}
+
 /// The browser of the tests of pages and of the pictures of documents.
 pub static BROWSER: Need = Need {
     name: "browser",
