@@ -175,14 +175,17 @@ impl OffsetCalibration {
             }
             let (offset_counts, deviation_counts) = sums.offset_and_deviation();
             let [least, most] = self.limits.deviation_counts;
-            if deviation_counts < least {
+            // Compared so that a limit that is no number admits nothing.
+            let moves = deviation_counts >= least;
+            if !moves {
                 return Err(CalibrationError::Stuck { phase });
             }
-            let [lowest, highest] = self.limits.offset_counts;
-            if deviation_counts > most {
+            let is_quiet = deviation_counts <= most;
+            if !is_quiet {
                 return Err(CalibrationError::Noisy { phase, deviation_counts });
             }
-            if offset_counts < lowest || offset_counts > highest {
+            let [lowest, highest] = self.limits.offset_counts;
+            if !(lowest..=highest).contains(&offset_counts) {
                 return Err(CalibrationError::OutOfBand { phase, offset_counts });
             }
             sensor.offset_counts = offset_counts;
@@ -244,6 +247,23 @@ mod tests {
         let far = calibrated(1990.0, 2.0, 4000).unwrap_err();
         assert!(matches!(far, CalibrationError::OutOfBand { phase: Phase::B, .. }), "{far:?}");
         assert_eq!(std::format!("{far}"), "the offset of a current sensor is out of its band (phase b)");
+    }
+
+    #[test]
+    fn limits_that_are_no_numbers_admit_nothing() {
+        let nan = f32::NAN;
+        for limits in [
+            CalibrationLimits { offset_counts: [nan, 2100.0], ..LIMITS },
+            CalibrationLimits { offset_counts: [2000.0, nan], ..LIMITS },
+            CalibrationLimits { deviation_counts: [nan, 8.0], ..LIMITS },
+            CalibrationLimits { deviation_counts: [0.3, nan], ..LIMITS },
+        ] {
+            let mut calibration = OffsetCalibration::new(CalibrationLimits { samples: 100, ..limits });
+            for k in 0..100 {
+                calibration.push(&PhaseCounts::Two([2050 + k % 3, 2041 + k % 3]));
+            }
+            assert!(calibration.finish([SENSOR; 3]).is_err(), "{limits:?}");
+        }
     }
 
     #[test]

@@ -294,7 +294,8 @@ impl WiringCheck {
         }
         let power: f32 = self.power.iter().sum();
         let rms_a = libm::sqrtf(power / self.taken as f32);
-        if rms_a.is_nan() || rms_a < self.limits.least_current_a {
+        let is_enough = rms_a >= self.limits.least_current_a;
+        if !is_enough {
             return Err(WiringFault::TooLittleCurrent { rms_a });
         }
         let velocity_ratio = self.travel_sums.ratio(self.interval_s);
@@ -309,11 +310,14 @@ impl WiringCheck {
             }
         }
         let (offset_rad, delay_s) = self.offset_and_delay(power);
-        if offset_rad.abs() > self.limits.offset_rad {
+        // Compared so that a limit that is no number admits nothing.
+        let is_prompt = |delay_s: f32| delay_s.abs() <= self.limits.delay_s;
+        let is_within = offset_rad.abs() <= self.limits.offset_rad;
+        if !is_within {
             return Err(WiringFault::Offset { error_rad: offset_rad });
         }
         match delay_s {
-            Some(delay_s) if delay_s.abs() > self.limits.delay_s => Err(WiringFault::Delay { delay_s }),
+            Some(delay_s) if !is_prompt(delay_s) => Err(WiringFault::Delay { delay_s }),
             _ => Ok(Wiring { coherence, offset_rad, delay_s, velocity_ratio }),
         }
     }

@@ -104,7 +104,7 @@ fn offset_delay_and_rate_are_measured() {
 
 /// A check of `rig` while it runs: so many turns forward, of 400 samples each, and back at the end. The current pulls
 /// once a turn, by a power of the cosine.
-fn running(rig: Rig, [forward, back]: [u16; 2], power: i32) -> Result<Wiring, WiringFault> {
+fn running_check(rig: Rig, [forward, back]: [u16; 2], power: i32) -> WiringCheck {
     let frame = RotorFrame { pole_pairs: 5, electrical_offset: Angle::ZERO, park: Park::Standard };
     let mut check = WiringCheck::new(frame, RATE_HZ, LIMITS);
     let ahead = (0..forward * 400).map(f64::from);
@@ -115,7 +115,11 @@ fn running(rig: Rig, [forward, back]: [u16; 2], power: i32) -> Result<Wiring, Wi
             AlphaBeta { alpha: (-q * electrical.sin()) as f32, beta: (q * electrical.cos()) as f32, zero: 0.0 };
         check.push(currents, Angle::from_radians(theta as f32), f32::NAN);
     }
-    check.conclude()
+    check
+}
+
+fn running(rig: Rig, turns: [u16; 2], power: i32) -> Result<Wiring, WiringFault> {
+    running_check(rig, turns, power).conclude()
 }
 
 #[test]
@@ -154,6 +158,19 @@ fn without_motion_or_current_nothing_is_passed() {
         none.skip();
     }
     assert_eq!(none.conclude(), Err(WiringFault::TooLittleMotion { sectors: 0 }));
+}
+
+#[test]
+fn limits_that_are_no_numbers_admit_nothing() {
+    let with = |limits: WiringLimits| {
+        let check = WiringCheck { limits, ..running_check(RIGHT, [6, 4], 0) };
+        check.conclude()
+    };
+    assert!(with(LIMITS).is_ok());
+    let nan = f32::NAN;
+    assert!(matches!(with(WiringLimits { offset_rad: nan, ..LIMITS }), Err(WiringFault::Offset { .. })));
+    assert!(matches!(with(WiringLimits { delay_s: nan, ..LIMITS }), Err(WiringFault::Delay { .. })));
+    assert!(matches!(with(WiringLimits { least_current_a: nan, ..LIMITS }), Err(WiringFault::TooLittleCurrent { .. })));
 }
 
 #[test]

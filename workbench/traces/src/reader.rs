@@ -28,13 +28,23 @@ pub(super) fn read(
     read_rows(table, channels, wanted, Given::complete)
 }
 
-/// Reads the wanted traces of one table, with a sample for each row that it has.
+/// Reads the wanted traces of one table, with a sample for each row that it has. Of the time column these are seconds, on
+/// the line that rounded times are rounded from: what a front end numbers its rows by.
 pub(super) fn read_as_recorded(
     table: &Table,
     channels: &Channels,
     wanted: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<Vec<Trace>, Error> {
-    read_rows(table, channels, wanted, |rows| rows)
+    let time = channels.time.as_deref();
+    let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
+    let each = |Part { id, mut columns, times_s, time }: Part| {
+        let column = time.and_then(|place| columns.get_mut(&place));
+        if let (Some(column), Some(times)) = (column, &times_s) {
+            column.clone_from(times);
+        }
+        assemble(id, channels, &signals, Given::of(columns, times_s))
+    };
+    parts.into_iter().map(each).collect()
 }
 
 /// Reads a piece of one or more traces, with a sample for each row; a channel may be missing all the time.
@@ -50,8 +60,9 @@ fn read_rows(
 ) -> Result<Vec<Trace>, Error> {
     let time = channels.time.as_deref();
     let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
-    let each =
-        |Part { id, columns, times_s }: Part| assemble(id, channels, &signals, complete(Given::of(columns, times_s)));
+    let each = |Part { id, columns, times_s, .. }: Part| {
+        assemble(id, channels, &signals, complete(Given::of(columns, times_s)))
+    };
     parts.into_iter().map(each).collect()
 }
 
@@ -86,7 +97,7 @@ pub fn series(
     };
     let (signals, parts) = parts(table, time, &signals, &|_| true)?;
     let each = |part: Part| {
-        let Part { id, columns, times_s } = part;
+        let Part { id, columns, times_s, .. } = part;
         let rows = rows_of(&columns, times_s.as_deref());
         let by_rate = || rate_hz.map(|rate| (0..rows).map(|row| row as f64 / rate).collect());
         let times_s = times_s.or_else(by_rate);
@@ -146,6 +157,8 @@ struct Part {
     /// The columns that signals need, by their places in the file.
     columns: BTreeMap<usize, Vec<f64>>,
     times_s: Option<Vec<f64>>,
+    /// The place of the time column.
+    time: Option<usize>,
 }
 
 /// Reads the columns of signals, one part for each trace.
@@ -190,7 +203,7 @@ fn parts(
         let mut of_place: BTreeMap<usize, Vec<f64>> = places.iter().copied().zip(of_trace).collect();
         let place_of_row = |row: usize| columns.place(rows.row(row));
         let times_s = row_times.take(&mut of_place, &needed, (&rows.id, &place_of_row))?;
-        Ok(Part { id: rows.id, columns: of_place, times_s })
+        Ok(Part { id: rows.id, columns: of_place, times_s, time: header.time() })
     };
     let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))

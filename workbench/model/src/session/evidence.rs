@@ -95,7 +95,13 @@ pub(super) fn text(trained: &Trained, orders: Option<&Orders>) -> Option<String>
             if own.harmonics == 1 { "one harmonic is".into() } else { format!("{} harmonics are", own.harmonics) },
         )
     });
-    let parts: Vec<String> = [gate, orders].into_iter().flatten().collect();
+    let looks_at_orders = trained.feature_names.iter().any(|name| name.starts_with("order_"));
+    let unused = (orders.is_some() && !looks_at_orders).then(|| {
+        "Warning: no order of the bearing is a feature, so a spall is not looked for. Leave the features out, or name \
+         \"orders\" among them."
+            .to_owned()
+    });
+    let parts: Vec<String> = [unused, gate, orders].into_iter().flatten().collect();
     (!parts.is_empty()).then(|| parts.join("\n"))
 }
 

@@ -153,7 +153,8 @@ impl Values {
         match current.filter(|_| count >= fewest(2) && classes.len() < 3) {
             Some(current) => {
                 let why = format!(
-                    "{count} healthy {what} support a gate of two features; of {features}, {}",
+                    "{count} healthy {what} support a gate of two features; of {features}, {}. With a bearing, leave \
+                     this line out: its orders are then the features",
                     fewest(features)
                 );
                 self.values.insert("features", format!("[\"mean_{current}\", \"rms_{current}\"]  # {why}"));

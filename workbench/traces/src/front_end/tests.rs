@@ -138,3 +138,26 @@ fn rows_without_currents_or_time_are_those_that_the_drive_missed() {
     let found = clean(&file(), &slices(&all), &[], Some(&untimed)).expect("clean");
     assert_eq!(bits(&found), bits(&expected));
 }
+
+/// 4 kHz: steps of 0.25 ms, which whole tenths of a millisecond round.
+#[test]
+fn rows_are_numbered_by_seconds_whatever_the_unit_of_the_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let front_end = file();
+    let columns = rows(4000, 5.0, 40.0);
+    let read = |time: &str, of_row: &dyn Fn(usize) -> String| {
+        let mut text = format!("{time},{}\n", front_end.columns().join(","));
+        for row in 0..4000 {
+            let values: Vec<String> = columns.iter().map(|column| column[row].to_string()).collect();
+            text += &format!("{},{}\n", of_row(row), values.join(","));
+        }
+        let path = folder.path().join("trace.csv");
+        std::fs::write(&path, text).expect("writable");
+        crate::front_end::raw_rows(&path, &front_end, &[]).expect("rows")
+    };
+    let seconds = read("time_s", &|row| format!("{:.5}", row as f64 / 4000.0));
+    assert_eq!(seconds.len(), 8 + 4000 * 16);
+    assert!(seconds == read("time_us", &|row| (250 * row).to_string()));
+    assert!(seconds == read("time_ms", &|row| format!("{:.2}", 0.25 * row as f64)));
+    assert!(seconds == read("time_ms", &|row| format!("{:.1}", 0.25 * row as f64)));
+}
