@@ -56,8 +56,8 @@
 //! each segment), `embedded-hal` (the driver `ad2s1210`), `embedded-storage` (records in flash), `telemetry` (frames for
 //! a serial line or CAN), `embedded-can` (those for CAN by the traits of a driver), `signature` (signed models, sealed
 //! states), `nalgebra` (conversions of covariance and projection), `alloc` (the plan `RunTime` of host programs),
-//! `bounded` (array lengths that a model brings, without an allocator, as the C interface needs them), `internals` (parts
-//! for this repository's tests and measurements; not stable).
+//! `bounded` (array lengths that a model brings, without an allocator, as the C interface needs them), `internals`
+//! (parts for this repository's tests and measurements; not stable).
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

@@ -5,8 +5,8 @@ use embedded_can::{Frame, Id};
 use super::{CanJoin, CanPiece, SegmentFrame};
 
 impl SegmentFrame {
-    /// The data frame of a driver, under an identifier of the program's choice: one for each drive of the bus. `None` if
-    /// the driver refuses 8 bytes.
+    /// The data frame of a driver, under an identifier of the program's choice: one for each drive of the bus. `None`
+    /// if the driver refuses 8 bytes.
     pub fn to_frame<F: Frame>(self, id: impl Into<Id>) -> Option<F> {
         F::new(id, &self.to_bytes())
     }

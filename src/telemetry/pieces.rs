@@ -6,8 +6,8 @@
 //!
 //! The number counts data frames and wraps, so that the receiver finds lost and doubled ones. Each frame of the
 //! telemetry begins with a data frame, and zero bytes behind its end fill the last one up to a length that CAN FD has:
-//! between frames they mean nothing. Nothing is acknowledged: a lost data frame makes the frame bad that it is a part of,
-//! which is counted. The pieces come in the order in which they were sent, as those of one identifier do on CAN.
+//! between frames they mean nothing. Nothing is acknowledged: a lost data frame makes the frame bad that it is a part
+//! of, which is counted. The pieces come in the order in which they were sent, as those of one identifier do on CAN.
 //!
 //! Load: a data frame of classic CAN with 11 bits of identifier has at most 135 bits, for 7 bytes of the stream; one of
 //! CAN FD at most some 680 bits at the data rate and 33 at that of the arbitration, for 63.

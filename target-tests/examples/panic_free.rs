@@ -5,8 +5,6 @@
 //! Left out: `Debug` and, with the feature `defmt`, the logger. Without optimisation nothing can be told.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[path = "support/bus_calls.rs"]
-mod bus_calls;
 #[path = "../../examples/support/classifier.rs"]
 mod classifier;
 #[path = "support/converter.rs"]

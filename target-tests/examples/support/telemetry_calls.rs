@@ -1,5 +1,8 @@
 //! Calls of the frames for the example `panic_free`.
 
+#[path = "bus_calls.rs"]
+mod bus_calls;
+
 use core::hint::black_box as opaque;
 
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
@@ -35,7 +38,7 @@ pub fn encode<P: Plan>(
 pub fn on_can<P: Plan>(model: &Model<P>, report: &Report<P>, evidence: &Evidence<P>) {
     pieces();
     let sent = opaque(SegmentFrame::of(model, opaque(report), opaque(evidence)));
-    crate::bus_calls::by_driver(sent);
+    bus_calls::by_driver(sent);
     let Some(frame) = SegmentFrame::from_bytes(opaque(SegmentFrame::to_bytes(sent))) else { return };
     opaque((SegmentFrame::segment(frame), SegmentFrame::undetermined(frame), SegmentFrame::usable_percent(frame)));
     opaque((SegmentFrame::deviations(frame), SegmentFrame::distance(frame), SegmentFrame::is_silent(frame)));

@@ -25,45 +25,40 @@ pub(super) fn read(
     channels: &Channels,
     wanted: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<Vec<Trace>, Error> {
-    read_rows(table, channels, wanted, Given::complete)
+    read_rows(table, channels, wanted, |part| part.rows().complete())
 }
 
-/// Reads the wanted traces of one table, with a sample for each row that it has. Of the time column these are seconds, on
-/// the line that rounded times are rounded from: what a front end numbers its rows by.
+/// Reads the wanted traces of one table, with a sample for each row that it has. Of the time column these are seconds,
+/// on the line that rounded times are rounded from: what a front end numbers its rows by.
 pub(super) fn read_as_recorded(
     table: &Table,
     channels: &Channels,
     wanted: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<Vec<Trace>, Error> {
-    let time = channels.time.as_deref();
-    let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
-    let each = |Part { id, mut columns, times_s, time }: Part| {
-        let column = time.and_then(|place| columns.get_mut(&place));
-        if let (Some(column), Some(times)) = (column, &times_s) {
-            column.clone_from(times);
+    read_rows(table, channels, wanted, |mut part| {
+        let column = part.time.and_then(|place| part.columns.get_mut(&place));
+        if let (Some(column), Some(times_s)) = (column, &part.times_s) {
+            column.clone_from(times_s);
         }
-        assemble(id, channels, &signals, Given::of(columns, times_s))
-    };
-    parts.into_iter().map(each).collect()
+        part.rows()
+    })
 }
 
 /// Reads a piece of one or more traces, with a sample for each row; a channel may be missing all the time.
 pub(super) fn read_piece(table: &Table, channels: &Channels) -> Result<Vec<Trace>, Error> {
-    read_rows(table, channels, &|_| true, Given::piece)
+    read_rows(table, channels, &|_| true, |part| part.rows().piece())
 }
 
 fn read_rows(
     table: &Table,
     channels: &Channels,
     wanted: &(dyn Fn(&str) -> bool + Sync),
-    complete: fn(Given) -> Given,
+    rows_of: fn(Part) -> Given,
 ) -> Result<Vec<Trace>, Error> {
     let time = channels.time.as_deref();
     let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
-    let each = |Part { id, columns, times_s, .. }: Part| {
-        assemble(id, channels, &signals, complete(Given::of(columns, times_s)))
-    };
-    parts.into_iter().map(each).collect()
+    let trace = |mut part: Part| assemble(std::mem::take(&mut part.id), channels, &signals, rows_of(part));
+    parts.into_iter().map(trace).collect()
 }
 
 /// Channels of one trace.
@@ -159,6 +154,12 @@ struct Part {
     times_s: Option<Vec<f64>>,
     /// The place of the time column.
     time: Option<usize>,
+}
+
+impl Part {
+    fn rows(self) -> Given {
+        Given::of(self.columns, self.times_s)
+    }
 }
 
 /// Reads the columns of signals, one part for each trace.

@@ -65,6 +65,11 @@ pub fn write(blocks: &[Block], folder: &Path, checkout: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Writes the block of this name, with the place of this checkout.
+pub fn write_named(blocks: &[Block], name: &str, folder: &Path) -> Result<()> {
+    write(&[named(blocks, name)?.clone()], folder, &workspace::root())
+}
+
 fn parse(text: &str) -> Vec<Block> {
     let mut blocks = Vec::new();
     let mut lines = text.lines();

@@ -8,11 +8,11 @@ use anyhow::{Context, Result, ensure};
 
 use super::outcome::Outcome;
 use super::{Folder, blocks, commands, copy, timed};
-use crate::board::{DRIVE, DRIVE_FLAGS};
+use crate::board::DRIVE_FLAGS;
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::toolchain::Way;
-use crate::{c_library, child, qemu, workspace};
+use crate::{c_library, child, workspace};
 
 const README: &str = "c-api/README.md";
 /// What the project takes of a checkout.
@@ -72,9 +72,8 @@ fn walk(way: Way, builder: &Builder) -> Result<String> {
     fill(checkout.path(), way)?;
     write_project(folder.path(), checkout.path())?;
     builder.build(folder.path())?;
-    let run = || qemu::run_in(folder.path(), &folder.path().join(builder.result), DRIVE.machine, qemu::Echo::Off);
     let [code, trace] = ["main.c", TRACE].map(|file| folder.path().join(file));
-    Outcome { document: README, code: &code, trace: &trace }.of(run()?, &run()?)
+    Outcome { document: README, code: &code, trace: &trace }.of_program(folder.path(), builder.result)
 }
 
 /// The files of the document, with those that its commands copy from a checkout and record.
@@ -104,11 +103,7 @@ impl Builder {
 /// The program for a drive with samples of its own compiles with the model of such a drive.
 fn own_samples() -> Result<&'static str> {
     let folder = Folder::new("own-samples")?;
-    blocks::write(
-        &[blocks::named(&blocks::of_document(README)?, "detector.c")?.clone()],
-        folder.path(),
-        Path::new(""),
-    )?;
+    blocks::write_named(&blocks::of_document(README)?, "detector.c", folder.path())?;
     let mut compiler = Command::new("arm-none-eabi-gcc");
     compiler.args(DRIVE_FLAGS).args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]);
     for include in ["c-api/include", "c-api/tests/chip", "examples/support/standard_rig"] {

@@ -34,7 +34,7 @@ pub fn by_template(way: Way) -> Result<String> {
     let (folder, recorded) = (Folder::new("template")?, Folder::new("recorded")?);
     let blocks = blocks::of_document(CHAPTER)?;
     copy(&workspace::root().join("template"), folder.path())?;
-    blocks::write(&[blocks::named(&blocks, "Cargo.toml")?.clone()], folder.path(), &workspace::root())?;
+    blocks::write_named(&blocks, "Cargo.toml", folder.path())?;
     commands(&blocks, recorded.path(), &workspace::root())?;
     for file in ["rows.bin", TRACE] {
         fs::copy(recorded.path().join(file), folder.path().join(file))?;

@@ -7,7 +7,8 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use crate::{child, workspace};
+use crate::board::DRIVE;
+use crate::{child, qemu, workspace};
 
 /// The model of the documents.
 const MODEL: &str = "examples/support/actuator/model.bwm";
@@ -23,8 +24,14 @@ pub struct Outcome<'a> {
 }
 
 impl Outcome<'_> {
-    /// The classes of the first run must be those that `replay` prints for the recording; the second run goes on with the
-    /// state of the first one and ends with an alarm.
+    /// Runs a program of a folder in the emulator, twice.
+    pub fn of_program(&self, folder: &Path, program: &str) -> Result<String> {
+        let run = || qemu::run_in(folder, &folder.join(program), DRIVE.machine, qemu::Echo::Off);
+        self.of(run()?, &run()?)
+    }
+
+    /// The classes of the first run must be those that `replay` prints for the recording; the second run goes on with
+    /// the state of the first one and ends with an alarm.
     pub fn of(&self, first: Vec<String>, second: &[String]) -> Result<String> {
         ensure!(second.iter().any(|line| line.ends_with(", ALARM")), "no alarm in the second run: {second:?}");
         let class = |line: &String| line.split(',').next().unwrap_or_default().to_owned();
@@ -65,23 +72,23 @@ fn code(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(str::trim).filter(move |line| !line.is_empty() && !comment(line))
 }
 
-/// The names that a user of the library has to know: those with its prefix in C; in Rust what `model.rs` has in capitals,
-/// and its functions.
+/// The names that a user of the library has to know: those with its prefix in C; in Rust what `model.rs` has in
+/// capitals, and its functions.
 fn names(text: &str) -> BTreeSet<String> {
-    let mut found = BTreeSet::new();
+    let mut names = BTreeSet::new();
     for word in code(text).flat_map(|line| line.split(|c: char| !(c.is_ascii_alphanumeric() || "_.".contains(c)))) {
         let (first, second) = word.split_once('.').unwrap_or((word, ""));
         if ["bw_", "BW_", "Bw"].iter().any(|prefix| first.starts_with(prefix)) {
-            found.insert(first.to_owned());
+            names.insert(first.to_owned());
         }
         if ["WATCH", "MODEL", "FRONT_END"].contains(&first) {
-            found.insert(first.to_owned());
+            names.insert(first.to_owned());
             if !second.is_empty() {
-                found.insert(word.to_owned());
+                names.insert(word.to_owned());
             }
         }
     }
-    found
+    names
 }
 
 #[cfg(test)]

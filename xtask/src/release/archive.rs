@@ -93,7 +93,7 @@ fn project() -> Result<Vec<(String, Vec<u8>)>> {
     let blocks = blocks::of_document(user::DOCUMENT)?;
     for name in user::OF_FIRMWARE {
         // These take the place of those that use a checkout.
-        blocks::write(&[blocks::named(&blocks, name)?.clone()], folder.path(), &workspace::root())?;
+        blocks::write_named(&blocks, name, folder.path())?;
     }
     let names = c::FILES.iter().chain(&["main.c", "Makefile", "CMakeLists.txt"]).chain(&user::OF_FIRMWARE);
     let file = |name: &str| fs::read(folder.path().join(name)).with_context(|| format!("no {name}"));

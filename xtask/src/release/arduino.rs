@@ -10,10 +10,10 @@ use crate::board::{DRIVE, DRIVE_FLAGS};
 use crate::newcomer::Folder;
 use crate::newcomer::outcome::same_classes;
 use crate::target::on_host;
-use crate::{child, log, qemu, workspace};
+use crate::{child, qemu, workspace};
 
 /// The place of the sketch in the archive.
-pub const SKETCH: &str = "examples/BearingWatch";
+const SKETCH: &str = "examples/BearingWatch";
 /// The core.
 const STAND_INS: &str = "c-api/tests/arduino";
 
@@ -48,8 +48,7 @@ pub fn sketch() -> Result<String> {
     link.arg("-L").arg(archive.join("src").join(precompiled)).args(["-lbearing_watch_c", "-lm", "-o", "sketch"]);
     child::succeed(&mut link)?;
     let lines = qemu::run(&folder.path().join("sketch"), DRIVE.machine, qemu::Echo::Off)?;
-    let verdicts = |lines: &[String]| log::verdicts(lines).into_iter().map(ToOwned::to_owned).collect::<Vec<_>>();
-    let own = verdicts(&lines);
-    ensure!(own.len() == lines.len(), "{lines:?}");
-    same_classes(&verdicts(&on_host("monitor")?), &own)
+    let verdicts = user::classes(&lines);
+    ensure!(verdicts.len() == lines.len(), "{lines:?}");
+    same_classes(&user::classes(&on_host("monitor")?), &verdicts)
 }

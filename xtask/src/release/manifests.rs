@@ -2,11 +2,11 @@
 //!
 //! | for | files | checked by |
 //! |---|---|---|
-//! | Zephyr | `zephyr/module.yml`, `Kconfig`, `CMakeLists.txt` | kconfiglib, and a CMake project with stand-ins of Zephyr's functions |
+//! | Zephyr | `zephyr/module.yml`, `Kconfig`, `CMakeLists.txt` | kconfiglib, and CMake with stand-ins of its functions |
 //! | PlatformIO | `library.json`, `platformio.py` | PlatformIO's own packer and build, which pip installs |
-//! | Arduino | `library.properties`, `src/` | the keys of its library specification, and its sketch with a stand-in core |
+//! | Arduino | `library.properties`, `src/` | the keys of its specification, and a sketch with a stand-in core |
 //! | CMSIS | `bearing-watch.pdsc` | an XML reader |
-//! | ESP-IDF | `CMakeLists.txt`, `idf_component.yml` | its component manager, and CMake with stand-ins of its functions |
+//! | ESP-IDF | `CMakeLists.txt`, `idf_component.yml` | its component manager, and CMake with stand-ins |
 //!
 //! Rust has no target of the Xtensa chips of ESP-IDF, and a chip without floating-point unit is too slow.
 

@@ -66,8 +66,8 @@ fn packed(python: &Path) -> Result<&'static str> {
     Ok("its licence unchecked: no access to the list of licences")
 }
 
-/// The project of the document with the project file of the archive's document. Without the flags that the library needs,
-/// the build must end with an error that names them.
+/// The project of the document with the project file of the archive's document. Without the flags that the library
+/// needs, the build must end with an error that names them.
 fn firmware(python: &Path, recorded: &Recorded) -> Result<String> {
     let folder = Folder::new("platformio")?;
     stand_ins(folder.path())?;

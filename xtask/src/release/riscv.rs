@@ -1,20 +1,19 @@
-//! The C library for RISC-V: the archive as a component of ESP-IDF. The example with interrupts runs in the emulator and
-//! must print the bits of the host.
+//! The C library for RISC-V: the archive as a component of ESP-IDF. The example with interrupts runs in the emulator
+//! and must print the bits of the host.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail};
 
 use super::user;
 use crate::board::RISCV;
-use crate::c_library::LEFT_OUT;
 use crate::newcomer::Folder;
 use crate::tally::Tally;
 use crate::target::{brief, on_host};
 use crate::toolchain::{self, Way};
-use crate::{c_symbols, child, firmware, python, qemu, setup, workspace};
+use crate::{c_library, c_symbols, child, firmware, python, qemu, setup, workspace};
 
 /// The stand-ins of ESP-IDF's functions, with the board.
 const PROJECT: &str = "c-api/tests/riscv";
@@ -24,7 +23,7 @@ const PACKER: &str = "idf-component-manager==3.1.2";
 /// The library of this architecture, for the archive.
 pub fn library(way: Way) -> Result<PathBuf> {
     if let Some(hindrance) = toolchain::hindrance(way, RISCV.target) {
-        anyhow::bail!("{hindrance}");
+        bail!("{hindrance}");
     }
     setup::ensure(&[&setup::RISCV])?;
     let library = firmware::build_c_library(way, RISCV, "", "")?;
@@ -53,10 +52,7 @@ fn component() -> Result<String> {
     child::succeed(&mut cmake)?;
     child::succeed(Command::new("cmake").arg("--build").arg(&build))?;
     let target = qemu::run_riscv(&build.join("isr"), RISCV.machine)?;
-    let mut host = on_host("monitor")?;
-    host.retain(|line| !LEFT_OUT.iter().any(|words| line.contains(words)));
-    ensure!(!host.is_empty() && host == target, "host {host:?}, RISC-V {target:?}");
-    Ok(format!("the {} lines of the host", host.len()))
+    Ok(format!("the {} lines of the host", c_library::compared(on_host("monitor")?, &target)?))
 }
 
 /// It reads the manifest and packs the files.

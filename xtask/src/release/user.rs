@@ -8,12 +8,11 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use super::{archive, arduino, dist, platformio, zephyr};
-use crate::board::DRIVE;
 use crate::newcomer::outcome::{Outcome, same_classes};
 use crate::newcomer::{Folder, blocks, c, copy, shell, timed};
 use crate::tally::Tally;
 use crate::target::{brief, on_host};
-use crate::{child, log, qemu, workspace};
+use crate::{child, log, workspace};
 
 pub const DOCUMENT: &str = "c-api/ARCHIVE.md";
 /// The files of the document that go into a project of firmware.
@@ -61,8 +60,7 @@ impl Recorded {
 
     /// Runs a program of a folder in the emulator, twice. The classes must be those of the host.
     pub fn outcome(&self, code: &Path, folder: &Path, program: &str) -> Result<String> {
-        let run = || qemu::run_in(folder, &folder.join(program), DRIVE.machine, qemu::Echo::Off);
-        Outcome { document: DOCUMENT, code, trace: &self.0.path().join(c::TRACE) }.of(run()?, &run()?)
+        Outcome { document: DOCUMENT, code, trace: &self.0.path().join(c::TRACE) }.of_program(folder, program)
     }
 }
 
@@ -97,7 +95,8 @@ fn records(name: &str, build: &str, result: &str) -> Result<String> {
     same_classes(&classes(&on_host("monitor")?), &classes(&own))
 }
 
-fn classes(lines: &[String]) -> Vec<String> {
+/// The verdicts among lines of an example.
+pub fn classes(lines: &[String]) -> Vec<String> {
     log::verdicts(lines).into_iter().map(ToOwned::to_owned).collect()
 }
 

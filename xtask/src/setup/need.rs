@@ -99,10 +99,9 @@ pub static RISCV: Need = Need {
 
 /// The folder of the C library for RISC-V, below that of `--picolibc-prefix`.
 pub fn picolibc() -> PathBuf {
-    let own = unpacked::root(&RISCV).join("usr");
-    let installed = PathBuf::from("/usr");
     let library = |prefix: &Path| prefix.join("lib/picolibc/riscv64-unknown-elf");
-    library(if library(&own).is_dir() { &own } else { &installed })
+    let unpacked = library(&unpacked::root(&RISCV).join("usr"));
+    if unpacked.is_dir() { unpacked } else { library(Path::new("/usr")) }
 }
 
 /// The browser of the tests of pages and of the pictures of documents.
