@@ -97,7 +97,7 @@ fn boot(flash: &mut Flash) -> Result<(Model<Drive>, Evidence<Drive>), Error> {
             // An older state may lack an alarm: a drive tells it, and has the machine inspected.
             say!("  the newest record is not used: {newer:?}");
         }
-        Some((record.counter, evidence.restore(&model, bytes, None)))
+        Some((record.counter, evidence.restore(&model, bytes)))
     });
     match restored {
         Ok((counter, Ok(()))) => say!("  state of record {counter}: {} segments", evidence.segments().0),
@@ -122,7 +122,7 @@ fn watch(model: &Model<Drive>, evidence: &mut Evidence<Drive>) {
 /// Saves the state at power-down.
 fn save(flash: &mut Flash, model: &Model<Drive>, evidence: &Evidence<Drive>) -> Result<(), Error> {
     let mut buffer = [0; 256];
-    let Ok(length) = evidence.save(model, None, &mut buffer) else { return Err(StorageError::NoRecord) };
+    let Ok(length) = evidence.save(model, &mut buffer) else { return Err(StorageError::NoRecord) };
     let states = SlotPair::<64>::new(flash, 2 * SLOT, SLOT, RecordKind::State)?;
     let label = RecordLabel { model: model.id(), drive: DRIVE };
     states.store(flash, &label, buffer.get(..length).unwrap_or_default())?;

@@ -232,7 +232,7 @@ pub enum Reason {
     /// The processor does not compute as the host does where the detector runs
     /// ([`arithmetic_test`](crate::arithmetic_test)): an interrupt may have settings of its own.
     Arithmetic(Kernel),
-    /// The segment, its decision or the baseline is that of another model.
+    /// The segment or its decision is that of another model.
     OtherModel,
     /// A fault that shows only after a window of samples was found in the first half of the next segment, and may have
     /// begun in this one ([`Detector::discard`](crate::Detector::discard)).

@@ -23,8 +23,7 @@ pub mod run_time;
 use std::sync::LazyLock;
 
 use bearing_watch::Model;
-use bearing_watch::alarm::Baseline;
-use bearing_watch::model::{BaselineConstants, EvidenceConstants, Feature};
+use bearing_watch::model::{EvidenceConstants, Feature};
 use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Cells, Memory, Method, Plan, RunTime};
 
@@ -59,12 +58,6 @@ pub fn shortened<P: Plan>(model: &Model<P>, segment_samples: u32) -> Model<P> {
     }
     constants.evidence = EvidenceConstants { limit: 12.0, cap: 5.0, ..EvidenceConstants::NONE };
     Model::new(model.plan(), constants).expect("segments of this length")
-}
-
-/// A baseline, if the model has a healthy class.
-#[must_use]
-pub fn baseline<P: Plan>(model: &Model<P>) -> Option<Baseline<P>> {
-    Baseline::new(model, BaselineConstants::new(20.0, 2.0))
 }
 
 /// Number of kinds of regressions of [`regression`].

@@ -1,6 +1,5 @@
 //! Calls of a detector, and of all that belongs to it, in any order.
 
-use bearing_watch::alarm::Baseline;
 use bearing_watch::drive::RotorFrame;
 use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::model::CommissioningConstants;
@@ -8,7 +7,7 @@ use bearing_watch::plan::{Plan, Signals};
 use bearing_watch::{Angle, Commissioning, Detector, Evidence, Model, Report, Segment, Verdict};
 
 use crate::input::Input;
-use crate::models::{baseline, numbers::Numbers};
+use crate::models::numbers::Numbers;
 use crate::{checksum, finite};
 
 /// Most channels of a sample.
@@ -23,7 +22,6 @@ struct Session<'m, P: Plan> {
     model: &'m Model<P>,
     detector: Detector<'m, P>,
     evidence: Evidence<P>,
-    baseline: Option<Baseline<P>>,
     commissioning: Option<Commissioning<'m, P>>,
     /// Of ordinary samples.
     numbers: Numbers,
@@ -38,7 +36,6 @@ pub fn run<P: Plan>(model: &Model<P>, input: &mut Input<'_>) {
         model,
         detector: Detector::new(model),
         evidence: Evidence::new(model),
-        baseline: baseline(model),
         commissioning: Commissioning::new(model, CommissioningConstants::new(2, 3.0)).ok(),
         numbers: Numbers(u32::from(input.byte())),
         angle: Angle::ZERO,
@@ -163,20 +160,15 @@ impl<P: Plan> Session<'_, P> {
                 );
             }
         }
-        if let Some(baseline) = &mut self.baseline {
-            baseline.follow(self.model, report);
-            finite::report(report);
-            assert!(baseline.offset().iter().all(|offset| offset.is_finite()), "{:?}", baseline.offset());
-        }
     }
 
     /// Saves and restores the state, also with changed bytes under a right checksum.
     fn save(&mut self, input: &mut Input<'_>) {
         let mut buffer = [0; STATE];
-        let Ok(length) = self.evidence.save(self.model, self.baseline.as_ref(), &mut buffer) else { return };
+        let Ok(length) = self.evidence.save(self.model, &mut buffer) else { return };
         let bytes = &mut buffer[..length];
         let before = (self.evidence.score().to_bits(), self.evidence.segments(), self.evidence.alarm());
-        let restored = self.evidence.restore(self.model, bytes, self.baseline.as_mut());
+        let restored = self.evidence.restore(self.model, bytes);
         assert_eq!(restored, Ok(()), "what was saved is restored");
         assert_eq!(before, (self.evidence.score().to_bits(), self.evidence.segments(), self.evidence.alarm()));
         for _ in 0..input.byte() % 8 {
@@ -186,7 +178,7 @@ impl<P: Plan> Session<'_, P> {
             checksum::put(bytes);
         }
         let kept = self.evidence.clone();
-        if self.evidence.restore(self.model, bytes, self.baseline.as_mut()).is_err() {
+        if self.evidence.restore(self.model, bytes).is_err() {
             assert!(self.evidence == kept, "nothing changes in case of an error");
         }
         finite::evidence(&self.evidence);
@@ -199,14 +191,6 @@ impl<P: Plan> Session<'_, P> {
         let frame = RotorFrame { pole_pairs, electrical_offset: Angle::ZERO, park: bearing_watch::Park::Thesis };
         let _refused = self.model.check_rotor_frame(&frame);
         let _empty = self.model.label(input.byte());
-        let offsets = [input.number(), input.number(), input.number()];
-        if let Some(baseline) = &mut self.baseline {
-            let _refused = baseline.restore(&offsets, input.byte().is_multiple_of(2));
-            assert!(baseline.offset().iter().all(|offset| offset.is_finite()), "{:?}", baseline.offset());
-            if input.byte().is_multiple_of(4) {
-                baseline.reset();
-            }
-        }
     }
 }
 

@@ -173,10 +173,6 @@ class Detector:
     ----------
     model : Model or path_like
         The model, or its file.
-    follow : float, optional
-        Let the healthy mean follow slow changes, with this time constant in segments.
-    follow_bound : float
-        Bound of what is followed, in healthy standard deviations.
     run_a_trace : bool
         Each trace is a run, from power-up to power-up: its segments depend on each other, and the alarm averages their
         evidence.
@@ -185,8 +181,8 @@ class Detector:
     -----
     The samples go in by the names of the recorded columns that the model reads (``Model.columns`` has them, or formulas
     of them). Evidence for the alarm goes on from trace to trace, until :meth:`reset`. Times, as a column or as the index
-    of a frame, are compared with the rate of the model. A pickle of a detector has its evidence, alarm and baseline,
-    but no samples: of an open trace, it is refused.
+    of a frame, are compared with the rate of the model. A pickle of a detector has its evidence and alarm, but no
+    samples: of an open trace, it is refused.
 
     Examples
     --------
@@ -209,13 +205,11 @@ class Detector:
         self,
         model: Union[Model, Path],
         *,
-        follow: Optional[float] = None,
-        follow_bound: float = 2.0,
         run_a_trace: bool = False,
     ) -> None:
         self.model = model if isinstance(model, Model) else Model.load(model)
-        self._options = {"follow": follow, "follow_bound": follow_bound, "run_a_trace": run_a_trace}
-        self._core = _core.Detector(self.model._core, follow, follow_bound, run_a_trace)
+        self._options = {"run_a_trace": run_a_trace}
+        self._core = _core.Detector(self.model._core, run_a_trace)
 
     def __getstate__(self) -> dict[str, Any]:
         return {"model": self.model, "options": self._options, "evidence": self._core.save()}
@@ -286,8 +280,6 @@ def replay(
     model: Union[Model, Path],
     recordings: Traces,
     *,
-    follow: Optional[float] = None,
-    follow_bound: float = 2.0,
     run_a_trace: bool = False,
 ) -> dict[str, Verdicts]:
     """Run recordings through the detector one after the other, as a drive would see them.
@@ -298,7 +290,7 @@ def replay(
         The model, or its file.
     recordings : path_like, list of path_like, mapping, or table
         Files and folders; tables by trace id; or one table.
-    follow, follow_bound, run_a_trace
+    run_a_trace
         As of :class:`Detector`.
 
     Returns
@@ -319,7 +311,7 @@ def replay(
     >>> {name: own.verdict.tolist() for name, own in found.items()}
     {'healthy_2_000': ['healthy'], 'spall_2_000': ['spall']}
     """
-    detector = Detector(model, follow=follow, follow_bound=follow_bound, run_a_trace=run_a_trace)
+    detector = Detector(model, run_a_trace=run_a_trace)
     files, tables = traces(recordings)
     return {name: detector._verdicts(own) for name, own in detector._core.replay(files or [], tables)}
 

@@ -34,7 +34,6 @@ self_cell!(
 #[pyclass(module = "bearing_watch._core")]
 pub(crate) struct Detector {
     state: State,
-    follow: Option<(f32, f32)>,
     run_a_trace: bool,
     /// Why traces cannot come in pieces.
     whole_only: Option<&'static str>,
@@ -46,22 +45,16 @@ impl std::fmt::Debug for Detector {
     }
 }
 
-fn start(own: &Arc<Own>, follow: Option<(f32, f32)>) -> PyResult<State> {
-    State::try_new(Arc::clone(own), |own| {
-        let model = &own.file.model;
-        let Some((segments, bound)) = follow else { return Ok(model.stream()) };
-        let problem = "follow is at least 1 segment, follow_bound is above 0, and the model needs a healthy class";
-        model.stream_following(segments, bound).ok_or_else(|| refused(problem))
-    })
+fn start(own: &Arc<Own>) -> State {
+    State::new(Arc::clone(own), |own| own.file.model.stream())
 }
 
 #[pymethods]
 impl Detector {
     #[new]
-    fn new(model: &Model, follow: Option<f32>, follow_bound: f32, run_a_trace: bool) -> PyResult<Self> {
-        let follow = follow.map(|segments| (segments, follow_bound));
+    fn new(model: &Model, run_a_trace: bool) -> Self {
         let whole_only = model.own.file.refuses_pieces();
-        Ok(Self { state: start(&model.own, follow)?, follow, run_a_trace, whole_only })
+        Self { state: start(&model.own), run_a_trace, whole_only }
     }
 
     /// Runs a whole trace; the evidence goes on from the traces before.
@@ -137,7 +130,7 @@ impl Detector {
         Ok(self.state.with_dependent_mut(|_, stream| stream.deny()))
     }
 
-    /// Evidence, alarm and baseline as bytes, between traces.
+    /// Evidence and alarm as bytes, between traces.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         self.require_between()?;
         Ok(PyBytes::new(py, &self.state.borrow_dependent().save()))
@@ -151,9 +144,8 @@ impl Detector {
     }
 
     /// Forgets all samples and evidence.
-    fn reset(&mut self) -> PyResult<()> {
-        self.state = start(self.state.borrow_owner(), self.follow)?;
-        Ok(())
+    fn reset(&mut self) {
+        self.state = start(self.state.borrow_owner());
     }
 }
 

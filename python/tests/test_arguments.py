@@ -72,14 +72,14 @@ def test_identification(y, u1, u2, order, lags, method, passes):
 
 @SETTINGS
 @given(tables, tables, anything, anything, st.integers(0, 3))
-def test_detector(model, first, second, follow, bound, how):
+def test_detector(model, first, second, run_a_trace, values, how):
     detectors = [bw.Detector(model)]
-    attempt(lambda: detectors.append(bw.Detector(model, follow=follow, follow_bound=bound)))
+    attempt(lambda: detectors.append(bw.Detector(model, run_a_trace=run_a_trace)))
     for detector in detectors:
         for columns in (first, second):
             attempt(lambda: detector.step(columns))
             attempt(lambda: detector.run(columns))
-        attempt([detector.finish, detector.reset, lambda: detector.step(x=bound), lambda: bw.Detector(first)][how])
+        attempt([detector.finish, detector.reset, lambda: detector.step(x=values), lambda: bw.Detector(first)][how])
 
 
 @SETTINGS

@@ -31,8 +31,8 @@ def same(one, other):
 def test_the_bits_are_those_of_replay(command, folder, bench, model, tmp_path, run_a_trace):
     names = ["healthy_3_001", "spall_3_002"]
     flags = ["--run-a-trace"] if run_a_trace else []
-    expected = replayed(command, model, folder, tmp_path, names, "--follow=20", *flags)
-    detector = bw.Detector(model, follow=20, run_a_trace=run_a_trace)
+    expected = replayed(command, model, folder, tmp_path, names, *flags)
+    detector = bw.Detector(model, run_a_trace=run_a_trace)
     found = [detector.run(bench.traces[name]) for name in names]
     assert [len(own) for own in found] == [5, 5]
 
@@ -110,8 +110,6 @@ def test_state_goes_on_until_reset(bench, model):
     detector.step(trace)
     detector.reset()
     same(detector.run(trace).columns(), first.columns())
-    followed = bw.Detector(model, follow=5.0).run(bench.traces["healthy_3_000"])
-    assert followed.distance.tolist() != bw.Detector(model).run(bench.traces["healthy_3_000"]).distance.tolist()
 
 
 def test_columns_by_name_and_other_tables(bench, model):
@@ -161,8 +159,6 @@ def test_bad_input_is_an_exception(bench, model):
         detector.run(3)
     with pytest.raises(bw.BearingWatchError, match="the file is empty"):
         detector.run({})
-    with pytest.raises(bw.BearingWatchError, match="follow is at least 1 segment"):
-        bw.Detector(model, follow=-1.0)
     with pytest.raises(FileNotFoundError):
         bw.Detector("nothing.bwm")
     # A refused call leaves the detector as it was.

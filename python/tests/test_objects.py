@@ -157,17 +157,13 @@ def functions(tmp_path_factory):
         "Model.to_c": lambda r: model.to_c(some(r, None)),
         "Model.save": lambda r: model.save(objects.anything(r)),
         "Model.__eq__": lambda r: model.__eq__(objects.anything(r)),
-        "Detector": lambda r: bw.Detector(
-            some(r, model), follow=some(r, None), follow_bound=some(r, 2.0), run_a_trace=some(r, False)
-        ),
+        "Detector": lambda r: bw.Detector(some(r, model), run_a_trace=some(r, False)),
         "Detector.run": lambda r: detector.run(some(r, some(r, traces["a"], objects.table, 2))),
         "Detector.run by names": lambda r: detector.run(current_a=objects.column(r), velocity_rad_s=objects.column(r)),
         "Detector.step": lambda r: detector.step(some(r, some(r, traces["a"], objects.table, 2))),
         "Detector.finish": lambda r: detector.finish(),
         "pickle": lambda r: pickle.loads(pickle.dumps(model)),
-        "replay": lambda r: bw.replay(
-            some(r, model, one_in=8), some(r, some(r, traces, objects.tables, 2)), follow=some(r, None)
-        ),
+        "replay": lambda r: bw.replay(some(r, model, one_in=8), some(r, some(r, traces, objects.tables, 2))),
         "read": lambda r: bw.read(some(r, file), some(r, None), time=some(r, None), rate_hz=some(r, None)),
         "audit": lambda r: bw.audit(some(r, file), some(r, None), **options(r)),
         "init": lambda r: bw.init(

@@ -309,7 +309,9 @@ impl<P: Plan> Runs<P> {
                 return None;
             }
         }
-        (self.learned <= self.most_runs).then_some(())
+        // Without directions nothing is learned.
+        let most_runs = if self.are_used() { self.most_runs } else { 0 };
+        (self.learned <= most_runs).then_some(())
     }
 }
 

@@ -1,4 +1,4 @@
-//! Why the state of alarm and baseline is not saved or restored.
+//! Why the state of the alarm is not saved or restored.
 
 use core::fmt;
 
@@ -29,8 +29,6 @@ pub enum StateError {
         /// Id of this model.
         expected: u32,
     },
-    /// The state is that of a baseline with other constants.
-    OtherBaseline,
     /// A value is not a number, or none that this state can have.
     Value,
     /// A `Watch` has not started, or another context works on its monitor.
@@ -48,7 +46,6 @@ impl StateError {
             Self::Truncated => "the state has fewer or more bytes than this plan has",
             Self::Checksum => "the checksum of the state does not match",
             Self::OtherModel { .. } => "the state is that of another model",
-            Self::OtherBaseline => "the baseline of the state has other constants",
             Self::Value => "a value of the state is out of range",
             Self::Unavailable => "there is no monitor yet, or another context works on it",
         }

@@ -106,8 +106,6 @@ impl Sums {
 
 impl Drift {
     pub(super) const NONE: Self = Self { older: Sums::NONE, newer: Sums::NONE };
-    /// The words of no sums.
-    pub(super) const NO_WORDS: [u32; 4] = Sums::NONE.words();
 
     /// Takes a distance; a value that is not finite is left out.
     pub(super) fn add(&mut self, distance: f32) {

@@ -68,7 +68,7 @@ impl<P: Plan> Classification<P> {
         outcome.err().map(Err)
     }
 
-    /// Does all steps, at coordinates less this offset.
+    /// Does all steps.
     ///
     /// # Errors
     /// As the result of [`Classification::step`].
@@ -77,11 +77,9 @@ impl<P: Plan> Classification<P> {
         plan: P,
         classifier: &Classifier<P>,
         estimates: Estimates<'_, P>,
-        offset: &[f32],
         decision: &mut Decision<P>,
     ) -> Result<(), Reason> {
         self.project(plan, classifier, estimates, decision)?;
-        pairs(self.coordinates.cells_mut(), offset).for_each(|(z, offset)| *z -= offset);
         self.compare(plan, classifier, decision)?;
         self.depart(classifier, decision);
         Ok(())
@@ -128,7 +126,6 @@ impl<P: Plan> Classification<P> {
             (*cell, *variance) = (z.value, z.variance);
             available |= !z.is_missing();
         }
-        // Before a baseline moves the coordinates: it would follow wear.
         let directions = classifier.novelty.directions.list.cells();
         for (value, direction) in decision.directed.cells_mut().iter_mut().zip(directions) {
             *value = direction.value(self.coordinates.cells(), self.variances.cells());

@@ -12,7 +12,6 @@
 
 mod commissioning;
 mod evidence;
-mod following;
 mod monitor;
 mod saved;
 mod segment;
@@ -21,7 +20,6 @@ mod solver;
 mod verdict;
 
 pub use commissioning::Commissioning;
-pub use following::{Following, Surroundings};
 pub use monitor::{Conclusion, Monitor};
 pub use segment::Segment;
 #[cfg(any(test, feature = "internals"))]

@@ -15,14 +15,12 @@
 use core::borrow::BorrowMut;
 
 use super::Detector;
-use super::following::{Following, Surroundings};
 use super::segment::Segment;
 use super::sequence::Sequence;
 use super::solver::Solve;
 use super::verdict;
-use crate::alarm::baseline::BaselineConstants;
 use crate::alarm::evidence::{Alarm, Evidence};
-use crate::alarm::{Baseline, Growth, Silence, SilenceLimits, StateError, Trend};
+use crate::alarm::{Growth, Silence, SilenceLimits, StateError, Trend};
 use crate::model::Model;
 use crate::plan::Plan;
 use crate::reason::{Implausible, Reason};
@@ -68,13 +66,11 @@ use crate::report::{Report, Verdict};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Monitor<'m, P: Plan, S = ()> {
+pub struct Monitor<'m, P: Plan> {
     model: &'m Model<P>,
     evidence: Evidence<P>,
     /// The evidence without the report, in case that is withdrawn.
     evidence_before: Evidence<P>,
-    /// Without a baseline, `()`, it has neither memory nor instructions for one.
-    surroundings: S,
     segment: Option<Segment<P>>,
     solve: Solve<P>,
     report: Report<P>,
@@ -117,7 +113,6 @@ impl<'m, P: Plan> Monitor<'m, P> {
             model,
             evidence: Evidence::new(model),
             evidence_before: Evidence::new(model),
-            surroundings: (),
             segment: None,
             solve: Solve::new(plan),
             report: Report::empty(plan),
@@ -127,34 +122,6 @@ impl<'m, P: Plan> Monitor<'m, P> {
         }
     }
 
-    /// With a baseline that follows slow changes of the healthy drive. Without a healthy class in the model, or with a
-    /// constant out of range, there is none.
-    #[must_use]
-    pub fn following(self, constants: BaselineConstants) -> Monitor<'m, P, Following<P>> {
-        self.following_if(Some(constants))
-    }
-
-    /// As [`Monitor::following`] if there are constants, in a program that decides so when it runs.
-    #[must_use]
-    pub fn following_if(self, constants: Option<BaselineConstants>) -> Monitor<'m, P, Following<P>> {
-        let Self {
-            model,
-            evidence,
-            evidence_before,
-            surroundings: (),
-            segment,
-            solve,
-            report,
-            work,
-            sequence,
-            refused,
-        } = self;
-        let surroundings = Following::new(model, constants);
-        Monitor { model, evidence, evidence_before, surroundings, segment, solve, report, work, sequence, refused }
-    }
-}
-
-impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     /// Takes one sample for both halves, in a program without interrupts; returns the conclusion with the sample that
     /// closes a segment. That sample costs the whole solve. The estimate takes over as auxiliary model, if there is
     /// one.
@@ -285,24 +252,22 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         self.judge();
     }
 
-    /// Gives the report to the evidence, relative to the baseline, if there is one.
+    /// Gives the report to the evidence.
     fn judge(&mut self) {
         self.work = Work::Doubtable;
         if let Some(error) = self.refused {
             (self.report.verdict, self.report.decision) = (Verdict::Undetermined(Reason::Implausible(error)), None);
         }
-        self.surroundings.follow(self.model, &mut self.report);
         verdict::log(self.model, &self.report);
         self.evidence_before.clone_from(&self.evidence);
         self.evidence.observe_outcome(self.report.outcome());
     }
 
-    /// Withdraws the report if it is in doubt: baseline and evidence are as without it.
+    /// Withdraws the report if it is in doubt: the evidence is as without it.
     fn settle(&mut self, doubtful: bool) {
         self.solve_rest();
         if self.work == Work::Doubtable && doubtful {
             self.report.doubt();
-            self.surroundings.undo();
             self.evidence.clone_from(&self.evidence_before);
             self.evidence.observe_outcome(self.report.outcome());
         }
@@ -365,19 +330,13 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         &self.evidence
     }
 
-    /// The baseline, if it has one.
-    #[must_use]
-    pub fn baseline(&self) -> Option<&Baseline<P>> {
-        self.surroundings.baseline()
-    }
-
     /// Denies the alarm that stands, because the bearing was inspected and is sound ([`Evidence::deny`]).
     pub fn deny(&mut self) -> bool {
         self.settle(false);
         self.evidence.deny()
     }
 
-    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend. The baseline stays.
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend.
     pub fn reset(&mut self) {
         self.evidence.reset();
         (self.work, self.segment) = (Work::Settled, None);
@@ -389,16 +348,16 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
         Evidence::saved_len(self.model)
     }
 
-    /// Writes alarm, scores, trend and baseline in a run that goes on; returns the number of bytes. It is as if the
+    /// Writes alarm, scores and trend in a run that goes on; returns the number of bytes. It is as if the
     /// power went off within the run.
     ///
     /// # Errors
     /// [`StateError::BufferTooSmall`].
     pub fn save_within_run(&self, buffer: &mut [u8]) -> Result<usize, StateError> {
-        self.evidence.save(self.model, self.baseline(), buffer)
+        self.evidence.save(self.model, buffer)
     }
 
-    /// Ends the run and writes alarm, scores, trend and baseline; returns the number of bytes.
+    /// Ends the run and writes alarm, scores and trend; returns the number of bytes.
     ///
     /// # Errors
     /// [`StateError::BufferTooSmall`].
@@ -412,7 +371,7 @@ impl<P: Plan, S: Surroundings<P>> Monitor<'_, P, S> {
     /// # Errors
     /// As [`Evidence::restore`].
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), StateError> {
-        self.evidence.restore(self.model, bytes, self.surroundings.baseline_mut())?;
+        self.evidence.restore(self.model, bytes)?;
         (self.work, self.segment) = (Work::Settled, None);
         Ok(())
     }

@@ -1,5 +1,4 @@
 use super::{Detector, Exchange, Monitor, Segment, Solver, conclude};
-use crate::alarm::Baseline;
 use crate::alarm::evidence::{Cause, Evidence};
 use crate::model::{Constants, EvidenceConstants, Model};
 use crate::plan::Plan;
@@ -278,14 +277,6 @@ fn what_another_model_made_is_refused() {
     let mut detector = Detector::new(&model);
     segment(&mut detector, samples(1.0));
     assert!(!detector.adopt(&report));
-    let constants = crate::model::BaselineConstants::new(50.0, 2.0);
-    let mut followed = conclude(&model, collect(&model));
-    let wider = changed(|c| {
-        *c = gated().constants().clone();
-        c.classifier.novelty.factor = [0.01];
-    });
-    Baseline::new(&wider, constants).unwrap().follow(&model, &mut followed);
-    assert_eq!(followed.verdict, Verdict::Undetermined(Reason::OtherModel));
     // The same numbers are the same model, wherever they are.
     let mut evidence = Evidence::new(&gated());
     evidence.observe(conclude(&model, collect(&gated())).decision.as_ref());

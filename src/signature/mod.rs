@@ -20,7 +20,7 @@
 //! // The key of this drive, written at its production.
 //! let key = StateKey::new([0x5A; 32]);
 //! let (mut buffer, evidence) = ([0; 512], Evidence::new(&MODEL));
-//! let length = evidence.save(&MODEL, None, &mut buffer)?;
+//! let length = evidence.save(&MODEL, &mut buffer)?;
 //! let length = key.seal(&mut buffer, length, 41)?;
 //! let sealed = key.open(&buffer[..length], 41)?;
 //! assert_eq!((sealed.state.len(), sealed.sequence), (Evidence::saved_len(&MODEL), 41));

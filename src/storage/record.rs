@@ -14,7 +14,7 @@ const VERSION: u8 = 1;
 pub enum RecordKind {
     /// A model in its binary form.
     Model,
-    /// The state of alarm and baseline.
+    /// The state of the alarm.
     State,
 }
 

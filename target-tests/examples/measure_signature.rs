@@ -65,7 +65,7 @@ mod on_target {
 
     fn states(counter: &LongCounter) {
         let (key, evidence, mut buffer) = (StateKey::new(black_box([2; 32])), Evidence::new(&MODEL), [0; 512]);
-        let length = evidence.save(&MODEL, None, &mut buffer).expect("a state");
+        let length = evidence.save(&MODEL, &mut buffer).expect("a state");
         let mut sealed = 0;
         let instructions =
             counter.instructions(|| sealed = black_box(&key).seal(black_box(&mut buffer), length, 7).unwrap_or(0));

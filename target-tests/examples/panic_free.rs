@@ -218,7 +218,6 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     about(model);
     let mut detector = opaque(Detector::new(model));
     let mut evidence = opaque(Evidence::new(model));
-    let mut baseline = opaque(Baseline::new(model, opaque(BaselineConstants::new(opaque(50.0), opaque(2.0)))));
     let mut numbers = Numbers(9);
     for _ in 0..opaque(50) {
         let sample = opaque(sample(numbers.array()));
@@ -230,12 +229,9 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             opaque(Evidence::end_run(&mut evidence));
             told(model, &report);
             commission(model, &report);
-            saved(model, &mut evidence, baseline.as_mut());
+            saved(model, &mut evidence);
             telemetry_calls::encode(model, &report, &evidence, |error| show(error));
             telemetry_calls::on_can(model, &report, &evidence);
-            if let Some(baseline) = &mut baseline {
-                follow(model, baseline, &mut opaque(report));
-            }
         }
         telemetry_calls::record(model, &sample, |error| show(error));
         if let Some(segment) = opaque(Detector::collect(&mut detector, &sample)) {
@@ -253,14 +249,6 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     opaque(Evidence::deny(&mut evidence));
     Evidence::reset(opaque(&mut evidence));
     monitor_calls::run(model, &mut detector, || sample(numbers.array()));
-}
-
-/// A baseline over one report.
-fn follow<P: Plan>(model: &Model<P>, baseline: &mut Baseline<P>, report: &mut Report<P>) {
-    Baseline::follow(baseline, model, report);
-    opaque((Baseline::offset(baseline), Baseline::at_bound(baseline)));
-    opaque(Baseline::restore(baseline, &opaque([0.5, f32::NAN]), opaque(true)));
-    Baseline::reset(opaque(baseline));
 }
 
 /// A commissioning over one report.
@@ -285,16 +273,16 @@ fn commission<P: Plan>(model: &Model<P>, report: &Report<P>) {
     }
 }
 
-/// The state of alarm and baseline as bytes.
-fn saved<P: Plan>(model: &Model<P>, evidence: &mut Evidence<P>, baseline: Option<&mut Baseline<P>>) {
+/// The state of the alarm as bytes.
+fn saved<P: Plan>(model: &Model<P>, evidence: &mut Evidence<P>) {
     let mut buffer = opaque([0; 512]);
     opaque((Model::id(model), Evidence::saved_len(model)));
-    let length = match Evidence::save(evidence, model, baseline.as_deref(), &mut buffer) {
+    let length = match Evidence::save(evidence, model, &mut buffer) {
         Ok(length) => opaque(length),
         Err(error) => return show(error),
     };
     let bytes = opaque(&buffer).get(..length).unwrap_or_default();
-    if let Err(error) = Evidence::restore(evidence, model, bytes, baseline) {
+    if let Err(error) = Evidence::restore(evidence, model, bytes) {
         opaque(StateError::message(&error));
         show(error);
     }

@@ -33,19 +33,15 @@ const CALLING: [&str; 9] = [
     "support/storage_calls.rs",
     "support/telemetry_calls.rs",
 ];
-/// Not for programs of a drive: conversions of the feature `nalgebra`, hidden helpers of macros and constants, and what
-/// a monitor alone calls. And the verification of a signature, whose crate has index checks that the compiler cannot
-/// prove; all of it but the arithmetic is `Trust::verify_with`.
-const ELSEWHERE: [&str; 12] = [
+/// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants. And the
+/// verification of a signature, whose crate has index checks that the compiler cannot prove; all of it but the
+/// arithmetic is `Trust::verify_with`.
+const ELSEWHERE: [&str; 8] = [
     "Estimate::covariance_matrix",
     "Projection::to_matrices",
     "Model::checked",
     "Model::marked",
     "ModelError::name",
-    "Surroundings::baseline",
-    "Surroundings::baseline_mut",
-    "Surroundings::follow",
-    "Surroundings::undo",
     "Trust::verify",
     "check",
     "mark",

@@ -69,8 +69,8 @@ fn a_commissioned_model_is_a_model_with_another_healthy_class() {
     assert!(length < buffer.len());
     // The evidence of the model before does not continue.
     let mut state = vec![0; Evidence::saved_len(&model)];
-    Evidence::new(&model).save(&model, None, &mut state).expect("fits");
-    let error = Evidence::new(&commissioned).restore(&commissioned, &state, None);
+    Evidence::new(&model).save(&model, &mut state).expect("fits");
+    let error = Evidence::new(&commissioned).restore(&commissioned, &state);
     assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), expected: commissioned.id() }));
 }
 

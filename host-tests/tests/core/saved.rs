@@ -1,7 +1,7 @@
-//! The saved state of alarm and baseline: it continues as if power had not failed, and nothing altered passes.
+//! The saved state of the alarm: it continues as if power had not failed, and nothing altered passes.
 
-use bearing_watch::alarm::{Baseline, SilenceLimits, StateError};
-use bearing_watch::model::{BaselineConstants, EvidenceConstants, Novelty};
+use bearing_watch::alarm::{SilenceLimits, StateError};
+use bearing_watch::model::{EvidenceConstants, Novelty};
 use bearing_watch::plan::Plan;
 use bearing_watch::{Alarm, Decision, Evidence, Model, Reason};
 
@@ -37,17 +37,13 @@ pub fn evidence_after<P: Plan>(model: &Model<P>, segments: u32) -> Evidence<P> {
     evidence
 }
 
-fn saved<P: Plan>(model: &Model<P>, evidence: &Evidence<P>, baseline: Option<&Baseline<P>>) -> Vec<u8> {
+fn saved<P: Plan>(model: &Model<P>, evidence: &Evidence<P>) -> Vec<u8> {
     let length = Evidence::saved_len(model);
     let mut bytes = vec![0xA5; length + 3];
-    assert_eq!(evidence.save(model, baseline, &mut bytes), Ok(length));
+    assert_eq!(evidence.save(model, &mut bytes), Ok(length));
     assert_eq!(&bytes[length..], [0xA5; 3]);
     bytes.truncate(length);
     bytes
-}
-
-fn baseline<P: Plan>(model: &Model<P>) -> Baseline<P> {
-    Baseline::new(model, BaselineConstants::new(50.0, 2.0)).expect("a healthy class")
 }
 
 #[test]
@@ -56,7 +52,7 @@ fn a_restored_alarm_continues_as_the_saved_one() {
     for segments in [0, 1, 3, 4, 7, 40, 41] {
         let mut own = evidence_after(&model, segments);
         let mut other = Evidence::new(&model);
-        assert_eq!(other.restore(&model, &saved(&model, &own, None), None), Ok(()));
+        assert_eq!(other.restore(&model, &saved(&model, &own)), Ok(()));
         assert_eq!(other, own, "{segments}");
         for k in segments..segments + 60 {
             let decision = decision(&model, k / 2);
@@ -69,38 +65,19 @@ fn a_restored_alarm_continues_as_the_saved_one() {
     println!("alarm at segment {segment}");
 }
 
-#[test]
-fn a_baseline_is_saved_beside_the_alarm() {
-    let model = alarming();
-    let mut own = baseline(&model);
-    // The narrowest coordinate has a deviation of 0.09, the bound is two.
-    let offset: Vec<f32> = own.offset().iter().zip(1_u8..).map(|(_, k)| 0.01 * f32::from(k)).collect();
-    assert!(own.restore(&offset, true));
-    let bytes = saved(&model, &evidence_after(&model, 9), Some(&own));
-    let (mut evidence, mut other) = (Evidence::new(&model), baseline(&model));
-    assert_eq!(evidence.restore(&model, &bytes, Some(&mut other)), Ok(()));
-    assert_eq!((&evidence, &other), (&evidence_after(&model, 9), &own));
-    // A state without a baseline leaves it; a program without one ignores it.
-    let without = saved(&model, &Evidence::new(&model), None);
-    assert_eq!(without.len(), bytes.len());
-    assert_eq!(evidence.restore(&model, &without, Some(&mut other)), Ok(()));
-    assert_eq!((&evidence, &other), (&Evidence::new(&model), &own));
-    assert_eq!(evidence.restore(&model, &bytes, None), Ok(()));
-}
-
 /// Refuses to restore these bytes, and changes nothing.
 fn refusal<P: Plan>(model: &Model<P>, bytes: &[u8]) -> StateError {
-    let (mut evidence, mut own) = (evidence_after(model, 5), baseline(model));
-    let before = (evidence.clone(), own.clone());
-    let error = evidence.restore(model, bytes, Some(&mut own)).expect_err("altered");
-    assert_eq!((evidence, own), before);
+    let mut evidence = evidence_after(model, 5);
+    let before = evidence.clone();
+    let error = evidence.restore(model, bytes).expect_err("altered");
+    assert_eq!(evidence, before);
     error
 }
 
 #[test]
 fn altered_bytes_other_models_and_other_lengths_are_refused() {
     let model = alarming();
-    let bytes = saved(&model, &evidence_after(&model, 40), Some(&baseline(&model)));
+    let bytes = saved(&model, &evidence_after(&model, 40));
     for place in 0..bytes.len() * 8 {
         let mut other = bytes.clone();
         other[place / 8] ^= 1 << (place % 8);
@@ -112,10 +89,10 @@ fn altered_bytes_other_models_and_other_lengths_are_refused() {
     }
     assert_eq!(refusal(&model, &[&bytes[..], &[0]].concat()), StateError::Truncated);
     assert_eq!(refusal(&model, b"BWMD and so on"), StateError::NotAState);
-    let error = Evidence::new(&MODEL).restore(&MODEL, &bytes, None);
+    let error = Evidence::new(&MODEL).restore(&MODEL, &bytes);
     assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), expected: MODEL.id() }));
     let mut short = vec![0; Evidence::saved_len(&model) - 1];
-    assert_eq!(Evidence::new(&model).save(&model, None, &mut short), Err(StateError::BufferTooSmall));
+    assert_eq!(Evidence::new(&model).save(&model, &mut short), Err(StateError::BufferTooSmall));
 }
 
 /// The bytes with another word behind the header, and the checksum that fits.
@@ -135,15 +112,13 @@ fn with_word(bytes: &[u8], place: usize, word: u32) -> Vec<u8> {
 #[test]
 fn numbers_that_a_state_cannot_have_are_refused() {
     let model = alarming();
-    let own = baseline(&model);
-    let bytes = saved(&model, &evidence_after(&model, 40), Some(&own));
+    let bytes = saved(&model, &evidence_after(&model, 40));
     let layout = model.plan().layout();
     let classes = usize::from(layout.classes);
     let words = (bytes.len() - 20) / 4;
-    // Each float: counts are the first five words, the count of the trend and the flag of the baseline are whole
-    // numbers.
+    // Each word but counts of segments refuses these: a float must be finite, and no count is so large.
     let trend = 5 + 2 + 3 * classes;
-    let floats = (5..words).filter(|place| ![trend, trend + 4].contains(place));
+    let floats = 5..words;
     for place in floats {
         for bad in [f32::NAN, f32::INFINITY] {
             assert_eq!(refusal(&model, &with_word(&bytes, place, bad.to_bits())), StateError::Value, "{place}");
@@ -154,21 +129,15 @@ fn numbers_that_a_state_cannot_have_are_refused() {
         assert_eq!(refusal(&model, &with_word(&bytes, place, bad)), StateError::Value, "{place} {bad}");
     }
     assert_eq!(refusal(&model, &with_word(&bytes, trend, u32::MAX)), StateError::Value);
-    assert_eq!(refusal(&model, &with_word(&bytes, trend + 4, 2)), StateError::Value);
     assert_eq!(refusal(&model, &with_word(&bytes, trend + 3, (-1.0_f32).to_bits())), StateError::Value);
-}
-
-/// The words of a state behind its header.
-fn words(bytes: &[u8]) -> Vec<u32> {
-    bytes[16..bytes.len() - 4].chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().expect("four"))).collect()
 }
 
 #[test]
 fn numbers_that_segments_of_this_model_cannot_leave_are_refused() {
     let model = alarming();
     let classes = usize::from(model.plan().layout().classes);
-    let quiet = saved(&model, &evidence_after(&model, 3), None);
-    let loud = saved(&model, &evidence_after(&model, 40), None);
+    let quiet = saved(&model, &evidence_after(&model, 3));
+    let loud = saved(&model, &evidence_after(&model, 40));
     assert!(evidence_after(&model, 3).alarm().is_none() && evidence_after(&model, 40).alarm().is_some());
     let float = |x: f32| x.to_bits();
     let (novelty, defect, support) = (5, 5 + 2 + 2, 5 + 2 + 2 * classes);
@@ -190,85 +159,18 @@ fn numbers_that_segments_of_this_model_cannot_leave_are_refused() {
     }
     // The state of a run that is not over is good as it is.
     let (mut evidence, open) = (Evidence::new(&model), evidence_after(&model, 4));
-    assert_eq!(evidence.restore(&model, &saved(&model, &open, None), None), Ok(()));
+    assert_eq!(evidence.restore(&model, &saved(&model, &open)), Ok(()));
     assert_eq!(evidence, open);
 }
 
 #[test]
-fn words_and_flags_without_a_meaning_are_refused() {
+fn other_versions_are_refused() {
     let model = alarming();
-    let without = saved(&model, &evidence_after(&model, 9), None);
-    let baseline = baseline(&model);
-    let with = saved(&model, &evidence_after(&model, 9), Some(&baseline));
-    let differ = words(&without).len();
-    let first = 5 + 2 + 3 * usize::from(model.plan().layout().classes) + 4;
-    let coordinates = baseline.offset().len();
-    for place in (first..=first + coordinates).chain(differ - 3..differ) {
-        let float = 0.5_f32.to_bits();
-        assert_eq!(refusal(&model, &with_word(&without, place, float)), StateError::Value, "{place}: no baseline");
+    for given in [1, 2, 3, 5] {
+        let mut other = saved(&model, &evidence_after(&model, 9));
+        other[4] = given;
+        assert_eq!(refusal(&model, &other), StateError::Version { given: given.into(), supported: 4 });
     }
-    let flagged = |flags: u16| {
-        let mut bytes = with.clone();
-        bytes[6..8].copy_from_slice(&flags.to_le_bytes());
-        let word = words(&bytes)[0];
-        with_word(&bytes, 0, word)
-    };
-    assert_eq!(flagged(1), with);
-    for flags in [2, 3, 0x100, 0x8001] {
-        assert_eq!(refusal(&model, &flagged(flags)), StateError::Value, "{flags}");
-    }
-    assert_eq!(refusal(&model, &flagged(0)), StateError::Value, "the constants of a baseline without one");
-}
-
-#[test]
-fn a_baseline_beyond_its_bound_or_of_other_constants_is_refused() {
-    let model = alarming();
-    let mut wide = Baseline::new(&model, BaselineConstants::new(50.0, 5.0)).expect("good constants");
-    let mut narrow = Baseline::new(&model, BaselineConstants::new(50.0, 1.0)).expect("good constants");
-    let mut offset = vec![0.0; wide.offset().len()];
-    let last = offset.len() - 1;
-    // Its deviation given those before it is 0.087: 4.6 deviations.
-    offset[last] = 0.4;
-    assert!(wide.restore(&offset, false) && !narrow.restore(&offset, false));
-    assert!(narrow.offset().iter().all(|x| *x == 0.0));
-    offset[last] = 1e30;
-    assert!(!wide.restore(&offset, false));
-    let bytes = saved(&model, &evidence_after(&model, 9), Some(&wide));
-    let mut evidence = evidence_after(&model, 5);
-    let before = (evidence.clone(), narrow.clone());
-    let error = evidence.restore(&model, &bytes, Some(&mut narrow));
-    assert!(matches!(error, Err(StateError::Value | StateError::OtherBaseline)), "{error:?}");
-    assert_eq!((&evidence, &narrow), (&before.0, &before.1));
-    // Other constants under an offset that fits both.
-    wide.reset();
-    let bytes = saved(&model, &evidence_after(&model, 9), Some(&wide));
-    assert_eq!(evidence.restore(&model, &bytes, Some(&mut narrow)), Err(StateError::OtherBaseline));
-    assert_eq!(evidence.restore(&model, &bytes, Some(&mut wide)), Ok(()));
-}
-
-#[test]
-fn a_state_of_the_first_version_is_read() {
-    let model = alarming();
-    let before = evidence_after(&model, 9);
-    let bytes = saved(&model, &before, None);
-    // Without the last ten words.
-    let mut old = bytes[..bytes.len() - 4 - 40].to_vec();
-    old[4] = 1;
-    let count = ((old.len() - 16) / 4) as u32;
-    old[8..12].copy_from_slice(&count.to_le_bytes());
-    old.extend([0; 4]);
-    let first = words(&old)[0];
-    let old = with_word(&old, 0, first);
-    let mut evidence = Evidence::new(&model);
-    assert_eq!(evidence.restore(&model, &old, None), Ok(()));
-    assert_eq!(
-        (evidence.score(), evidence.segments(), evidence.trend()),
-        (before.score(), before.segments(), before.trend())
-    );
-    let mut later = bytes;
-    later[4] = 3;
-    let error = refusal(&model, &later);
-    assert_eq!(error, StateError::Version { given: 3, supported: 2 });
 }
 
 #[test]
@@ -282,7 +184,7 @@ fn a_silence_goes_on_after_power_off() {
     let mut quiet = Evidence::new(&model);
     assert_eq!(silent(&mut quiet), None);
     let mut other = Evidence::new(&model);
-    assert_eq!(other.restore(&model, &saved(&model, &quiet, None), None), Ok(()));
+    assert_eq!(other.restore(&model, &saved(&model, &quiet)), Ok(()));
     let silence = silent(&mut other).expect("eight segments");
     assert_eq!((silence.segments, silence.with_reason, silence.reason), (8, 8, Some(Reason::Stuck { channel: 2 })));
 }

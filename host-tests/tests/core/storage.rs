@@ -40,7 +40,7 @@ fn model(cost: f32) -> (Model<Drive>, Vec<u8>) {
 
 fn saved(model: &Model<Drive>, evidence: &Evidence<Drive>) -> Vec<u8> {
     let mut bytes = vec![0; Evidence::saved_len(model)];
-    assert_eq!(evidence.save(model, None, &mut bytes), Ok(bytes.len()));
+    assert_eq!(evidence.save(model, &mut bytes), Ok(bytes.len()));
     bytes
 }
 
@@ -94,7 +94,7 @@ fn cuts<const READ: usize, const WRITE: usize, const ERASE: usize, const PAGE: u
         assert!(booted == models[0].0 || booted == models[1].0);
         let (_, state) = load(&stored.states, &mut flash);
         let mut evidence = Evidence::new(&models[0].0);
-        evidence.restore(&models[0].0, &state, None).expect("a state");
+        evidence.restore(&models[0].0, &state).expect("a state");
         assert!([3, 30].contains(&evidence.segments().0));
     }
     found

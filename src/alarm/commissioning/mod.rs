@@ -180,7 +180,7 @@ impl<P: Plan> HealthyClass<P> {
     ) -> Result<(), CommissioningError> {
         let mut classification = Classification::new(plan);
         let mut decision = Decision::empty(plan);
-        classification.run(plan, classifier, estimates, &[], &mut decision).map_err(CommissioningError::NoVerdict)?;
+        classification.run(plan, classifier, estimates, &mut decision).map_err(CommissioningError::NoVerdict)?;
         let (z, variances) = classification.coordinates();
         self.add(&classifier.novelty, z, variances)
     }

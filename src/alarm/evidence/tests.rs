@@ -207,9 +207,8 @@ fn a_segment_beyond_the_gate_of_a_defect_does_not_speak_for_it() {
 /// The evidence of these words, all of one state; `None` if they are none that segments can leave.
 fn restored(words: &[u32]) -> Option<Evidence<RunTime>> {
     let (mut other, mut words) = (evidence(Some(0)), words.iter().copied());
-    other.restore_first(&mut || words.next())?;
-    other.restore_second(&mut || words.next())?;
-    (words.next().is_none() && other.is_plausible()).then_some(other)
+    other.restore_words(&mut || words.next())?;
+    words.next().is_none().then_some(other)
 }
 
 #[test]
@@ -220,8 +219,7 @@ fn words_that_no_segments_leave_are_refused() {
     }
     observed.observe(None);
     let mut words = std::vec::Vec::new();
-    observed.save_first(&mut |word| words.push(word));
-    observed.save_second(&mut |word| words.push(word));
+    observed.save_words(&mut |word| words.push(word));
     assert_eq!(restored(&words).as_ref(), Some(&observed));
     assert_eq!(restored(&words[..words.len() - 1]), None);
     let changed = |place: usize, word: u32| {

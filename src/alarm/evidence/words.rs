@@ -1,42 +1,29 @@
 //! The state of the alarm as words, and back.
-//!
-//! The first part has been the same since version 1 of the saved state; the second one came with version 2, the third
-//! one with version 3.
 
 use super::super::runs;
 use super::{Alarm, Cause, Contribution, Drift, Evidence, EvidenceConstants, Score};
-use crate::plan::{Cells, Plan};
+use crate::plan::{Cells, Layout, Plan};
 use crate::regression::factor::pairs;
 
-/// Words beside those of the classes.
-const COMMON: usize = 11;
+/// Words beside those of classes and directions: 5 of the counts and the alarm, 2 of the novelty, 8 of the trend, 3 of
+/// the silence, 4 of what raised the alarm, and how many runs are learned.
+const COMMON: usize = 23;
 /// Words a class.
 const EACH: usize = 3;
-/// Words of the second part.
-const SECOND: usize = 7;
 /// The cause of an alarm is a number: none, unknown, and from here on the class.
 const FIRST_CLASS: u32 = 2;
 /// Or a coordinate with this bit.
 const COORDINATE: u32 = 1 << 16;
-/// Words of the third part beside those of the directions: how many runs are learned, and what raised the alarm.
-const THIRD: usize = 5;
 
 impl<P: Plan> Evidence<P> {
-    /// Number of words of the second part.
-    pub(crate) const SECOND_WORDS: usize = SECOND;
-
-    /// Number of words of the third part for so many directions.
-    pub(crate) const fn third_words(directions: u8) -> usize {
-        THIRD.saturating_add(runs::WORDS.saturating_mul(directions as usize))
-    }
-
-    /// Number of words of the first part for so many classes.
-    pub(crate) const fn words(classes: u8) -> usize {
-        COMMON.saturating_add(EACH.saturating_mul(classes as usize))
+    /// Number of words of a state of this layout.
+    pub(crate) const fn words(layout: &Layout) -> usize {
+        let classes = EACH.saturating_mul(layout.classes as usize);
+        COMMON.saturating_add(classes).saturating_add(runs::WORDS.saturating_mul(layout.directions as usize))
     }
 
     /// Hands out the words in their order.
-    pub(crate) fn save_first(&self, put: &mut impl FnMut(u32)) {
+    pub(crate) fn save_words(&self, put: &mut impl FnMut(u32)) {
         let (cause, segment) = match self.alarm {
             None => (0, 0),
             Some(Alarm { segment, cause: Cause::Unknown }) => (1, segment),
@@ -49,45 +36,16 @@ impl<P: Plan> Evidence<P> {
             put(run.to_bits());
         }
         self.support.cells().iter().for_each(|support| put(support.to_bits()));
-        let [newer, _] = self.drift.words();
-        newer.into_iter().for_each(put);
-    }
-
-    /// Hands out the words of the second part.
-    pub(crate) fn save_second(&self, put: &mut impl FnMut(u32)) {
-        let [_, older] = self.drift.words();
-        older.into_iter().chain(self.silent.words()).for_each(put);
-    }
-
-    /// Hands out the words of the third part.
-    pub(crate) fn save_third(&self, put: &mut impl FnMut(u32)) {
+        self.drift.words().into_iter().flatten().chain(self.silent.words()).for_each(&mut *put);
         let Contribution { direction, deviations, score, since } = self.main.unwrap_or_default();
         let direction = if self.main.is_some() { u32::from(direction).saturating_add(1) } else { 0 };
         [direction, deviations.to_bits(), score.to_bits(), since].into_iter().for_each(&mut *put);
         self.runs.save(put);
     }
 
-    /// Takes the words of the third part; `None` as for the first one.
-    pub(crate) fn restore_third(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
-        let (direction, deviations, score, since) =
-            (take()?, f32::from_bits(take()?), f32::from_bits(take()?), take()?);
-        self.main = match direction {
-            0 => None,
-            place => {
-                let direction = u8::try_from(place.wrapping_sub(1)).ok()?;
-                self.runs.contribution(direction)?;
-                Some(Contribution { direction, deviations, score, since })
-            }
-        };
-        let good = deviations.is_finite() && score.is_finite() && since <= self.segments;
-        self.runs.restore(take, self.segments)?;
-        let directed = matches!(self.alarm, Some(Alarm { cause: Cause::Coordinate(_), .. }));
-        (good && self.main.is_some() == directed).then_some(())
-    }
-
-    /// Takes the words in their order; `None` if one is missing or none that an alarm can have. The state is then of no
-    /// use.
-    pub(crate) fn restore_first(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
+    /// Takes the words in their order; `None` if one is missing or none that segments can leave. The state is then of
+    /// no use.
+    pub(crate) fn restore_words(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
         (self.segments, self.undetermined, self.run) = (take()?, take()?, take()?);
         let (cause, segment) = (take()?, take()?);
         self.alarm = match cause {
@@ -105,23 +63,34 @@ impl<P: Plan> Evidence<P> {
         for support in self.support.cells_mut() {
             *support = f32::from_bits(take()?);
         }
-        self.drift = Drift::from_words([[take()?, take()?, take()?, take()?], Drift::NO_WORDS])?;
-        Some(())
+        let newer = [take()?, take()?, take()?, take()?];
+        self.drift = Drift::from_words([newer, [take()?, take()?, take()?, take()?]])?;
+        self.silent.restore([take()?, take()?, take()?], self.undetermined)?;
+        self.main = self.main_of([take()?, take()?, take()?, take()?])?;
+        self.runs.restore(take, self.segments)?;
+        self.is_plausible().then_some(())
     }
 
-    /// Takes the words of the second part; `None` as for the first one.
-    pub(crate) fn restore_second(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
-        let [newer, _] = self.drift.words();
-        self.drift = Drift::from_words([newer, [take()?, take()?, take()?, take()?]])?;
-        self.silent.restore([take()?, take()?, take()?], self.undetermined)
+    /// What raised the alarm, of these words; the outer `None` if no alarm leaves them.
+    fn main_of(&self, words: [u32; 4]) -> Option<Option<Contribution>> {
+        if words == [0; 4] {
+            return Some(None);
+        }
+        let [place, deviations, score, since] = words;
+        let (deviations, score) = (f32::from_bits(deviations), f32::from_bits(score));
+        let direction = u8::try_from(place.checked_sub(1)?).ok()?;
+        self.runs.contribution(direction)?;
+        let good = deviations.is_finite() && score.is_finite() && since <= self.segments;
+        good.then_some(Some(Contribution { direction, deviations, score, since }))
     }
 
     /// Whether counts, alarm and scores are such as segments can leave.
-    pub(crate) fn is_plausible(&self) -> bool {
+    fn is_plausible(&self) -> bool {
         let Self { segments, undetermined, run, .. } = *self;
         let decided = segments.saturating_sub(undetermined);
         let counted = undetermined <= segments && run <= decided && self.drift.count() <= decided;
-        counted && self.raised() && self.scored(decided)
+        let directed = matches!(self.alarm, Some(Alarm { cause: Cause::Coordinate(_), .. }));
+        counted && self.main.is_some() == directed && self.raised() && self.scored(decided)
     }
 
     /// Whether the alarm is one that the scores leave, or left.

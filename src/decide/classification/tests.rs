@@ -38,7 +38,7 @@ fn decide(parameters: Result<[f32; 2], Reason>) -> Result<Decision<RunTime>, Rea
     estimate.delta = parameters.unwrap_or_default().to_vec();
     let mut decision = Decision::empty(plan());
     let estimates: Estimates<'_, RunTime> = (Some(&estimate), None, &[]);
-    Classification::new(plan()).run(plan(), &classifier(), estimates, &[0.0; 2], &mut decision)?;
+    Classification::new(plan()).run(plan(), &classifier(), estimates, &mut decision)?;
     Ok(decision)
 }
 

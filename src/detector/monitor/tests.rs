@@ -3,7 +3,7 @@ use super::{Conclusion, Monitor};
 use crate::alarm::evidence::{Cause, Evidence};
 use crate::detector::conclude;
 use crate::detector::{Detector, Segment};
-use crate::model::{BaselineConstants, Model};
+use crate::model::Model;
 use crate::reason::{Implausible, Reason};
 use crate::report::{Report, Verdict};
 use crate::tests::{Drive, SAMPLES, Sample, samples};
@@ -118,22 +118,20 @@ fn the_doubt_of_a_segment_that_was_lost_is_not_that_of_another() {
 }
 
 #[test]
-fn an_alarm_names_the_segment_and_survives_power_off_with_the_baseline() {
+fn an_alarm_names_the_segment_and_survives_power_off() {
     let model = gated();
-    let constants = BaselineConstants::new(10.0, 2.0);
-    let mut monitor = Monitor::new(&model).following(constants);
+    let mut monitor = Monitor::new(&model);
     let all = segments(&model, &[0.52, 0.52, 1.0, 1.0, 1.0]);
     for segment in &all[..3] {
         monitor.conclude(segment.clone());
     }
-    assert!(monitor.baseline().is_some_and(|baseline| baseline.offset()[0] != 0.0));
     let mut bytes = [0; 400];
     let length = monitor.save(&mut bytes).expect("room");
     assert_eq!(length, monitor.saved_len());
-    let mut later = Monitor::new(&model).following(constants);
+    let mut later = Monitor::new(&model);
     later.conclude(all[0].clone());
     later.restore(&bytes[..length]).expect("its own state");
-    assert_eq!((later.evidence(), later.baseline()), (monitor.evidence(), monitor.baseline()));
+    assert_eq!(later.evidence(), monitor.evidence());
     assert_eq!(later.report(), None, "what was held is not in the state");
     for (monitor, segment) in [&mut monitor, &mut later].into_iter().flat_map(|monitor| [(monitor, 3)]) {
         monitor.conclude(all[segment].clone());
@@ -145,29 +143,6 @@ fn an_alarm_names_the_segment_and_survives_power_off_with_the_baseline() {
     assert!(later.restore(&damaged).is_err() && later == before);
     later.reset();
     assert_eq!((later.alarm(), later.evidence().segments()), (None, (0, 0)));
-}
-
-/// What a withdrawn report has moved is moved back.
-#[test]
-fn a_baseline_does_not_follow_what_is_withdrawn() {
-    let model = gated();
-    let (mut detector, mut monitor) =
-        (Detector::new(&model), Monitor::new(&model).following(BaselineConstants::new(10.0, 2.0)));
-    let mut all = stream(&[0.52; 4]);
-    monitor.conclude(segment(&mut detector, &mut all));
-    let moved = monitor.baseline().expect("a baseline").offset()[0];
-    assert!(moved > 0.0);
-    detector.discard();
-    let second = segment(&mut detector, &mut all);
-    monitor.take(second);
-    assert_eq!(monitor.baseline().expect("a baseline").offset(), [0.0]);
-    let report = loop {
-        if let Some(now) = monitor.advance() {
-            break now.report.verdict;
-        }
-    };
-    assert_eq!(report, Verdict::Class(0));
-    assert_ne!(report, Verdict::Undetermined(Reason::FoundLate));
 }
 
 /// The interrupt passes the number on, so that no alarm stands that the next segment would take away.

@@ -28,14 +28,10 @@ fn evidence(model: &Model<Drive>) -> Evidence<Drive> {
     evidence
 }
 
-fn baseline(model: &Model<Drive>, bound: f32) -> Baseline<Drive> {
-    Baseline::new(model, BaselineConstants::new(50.0, bound)).unwrap()
-}
-
 /// The bytes, in a buffer that was in use.
-fn saved(model: &Model<Drive>, baseline: Option<&Baseline<Drive>>) -> Vec<u8> {
+fn saved(model: &Model<Drive>) -> Vec<u8> {
     let mut bytes = Vec::from([0xA5; 200]);
-    let length = evidence(model).save(model, baseline, &mut bytes).unwrap();
+    let length = evidence(model).save(model, &mut bytes).unwrap();
     bytes.truncate(length);
     bytes
 }
@@ -54,47 +50,37 @@ fn with(bytes: &[u8], place: usize, byte: u8) -> Vec<u8> {
 
 /// The error, after which nothing has changed.
 fn refusal(model: &Model<Drive>, bytes: &[u8]) -> StateError {
-    let (mut evidence, mut baseline) = (Evidence::new(model), baseline(model, 2.0));
-    let before = (evidence.clone(), baseline.clone());
-    let error = evidence.restore(model, bytes, Some(&mut baseline)).unwrap_err();
-    assert_eq!((evidence, baseline), before, "{error:?}");
+    let mut evidence = Evidence::new(model);
+    let before = evidence.clone();
+    let error = evidence.restore(model, bytes).unwrap_err();
+    assert_eq!(evidence, before, "{error:?}");
     error
 }
 
-/// Of header and words of two classes and one coordinate: counts, alarm, scores, support, trend, baseline, and later
-/// ones.
+/// Of header and words of two classes without directions: counts, alarm, scores, support, trend, silence, what raised
+/// the alarm, and runs learned.
 const HEAD: usize = 16;
 const SCORES: usize = HEAD + 4 * 5;
-const BASELINE: usize = SCORES + 4 * (2 + 3 * 2 + 4);
-const CONSTANTS: usize = BASELINE + 4 * (2 + 10 - 3);
+const MAIN: usize = SCORES + 4 * (2 + 3 * 2 + 8 + 3);
 
 #[test]
 fn header_and_counts_are_where_the_format_has_them() {
     let model = model();
-    let bytes = saved(&model, None);
-    assert_eq!(bytes.len(), CONSTANTS + 4 * 3 + 4);
+    let bytes = saved(&model);
+    assert_eq!(bytes.len(), MAIN + 4 * 5 + 4);
     let [i0, i1, i2, i3] = model.id().to_le_bytes();
-    assert_eq!(bytes[..HEAD], [b'B', b'W', b'S', b'T', 2, 0, 0, 0, 29, 0, 0, 0, i0, i1, i2, i3]);
+    assert_eq!(bytes[..HEAD], [b'B', b'W', b'S', b'T', 4, 0, 0, 0, 29, 0, 0, 0, i0, i1, i2, i3]);
     assert_eq!(bytes[HEAD..HEAD + 8], [5, 0, 0, 0, 2, 0, 0, 0], "segments, and those without a verdict");
     assert_eq!(bytes, checked(&bytes[..bytes.len() - 4]));
-    assert_eq!(bytes[BASELINE..BASELINE + 8], [0; 8], "no baseline");
-    assert_eq!(bytes[CONSTANTS..CONSTANTS + 12], [0; 12], "no constants of a baseline");
-    let with = saved(&model, Some(&baseline(&model, 2.0)));
-    assert_eq!((with[6], with.len()), (1, bytes.len()));
+    assert_eq!(bytes[MAIN..MAIN + 20], [0; 20], "no directions");
 }
 
 #[test]
-fn what_is_saved_is_restored_with_a_baseline_and_without() {
+fn what_is_saved_is_restored() {
     let model = model();
-    let mut narrow = baseline(&model, 2.0);
-    assert!(narrow.restore(&[0.05], true));
-    for (kept, given) in [(None, false), (None, true), (Some(&narrow), true), (Some(&narrow), false)] {
-        let (mut evidence, mut other) = (Evidence::new(&model), baseline(&model, 2.0));
-        let bytes = saved(&model, kept);
-        let expected = if given { kept.cloned().unwrap_or_else(|| other.clone()) } else { other.clone() };
-        assert_eq!(evidence.restore(&model, &bytes, given.then_some(&mut other)), Ok(()), "{given}");
-        assert_eq!((&evidence, &other), (&self::evidence(&model), &expected), "{given}");
-    }
+    let mut evidence = Evidence::new(&model);
+    assert_eq!(evidence.restore(&model, &saved(&model)), Ok(()));
+    assert_eq!(evidence, self::evidence(&model));
 }
 
 #[test]
@@ -102,7 +88,7 @@ fn the_limits_of_a_silence_are_those_of_the_program() {
     let model = model();
     let mut evidence = Evidence::new(&model);
     evidence.limit_silence(SilenceLimits { segments: 2, hours: 0.0 });
-    assert_eq!(evidence.restore(&model, &saved(&model, None), None), Ok(()));
+    assert_eq!(evidence.restore(&model, &saved(&model)), Ok(()));
     let silence = evidence.silence().expect("two segments without a verdict");
     assert_eq!((silence.segments, silence.reason), (2, Some(Reason::Stuck { channel: 1 })));
 }
@@ -110,7 +96,7 @@ fn the_limits_of_a_silence_are_those_of_the_program() {
 #[test]
 fn each_refusal_has_its_reason() {
     let model = model();
-    let bytes = saved(&model, None);
+    let bytes = saved(&model);
     let end = bytes.len();
     let mut damaged = bytes.clone();
     damaged[SCORES] ^= 1;
@@ -121,44 +107,20 @@ fn each_refusal_has_its_reason() {
     assert_eq!(refusal(&model, &checked(&[&bytes[..end - 4], &[0]].concat())), StateError::Truncated, "a byte more");
     assert_eq!(refusal(&model, &with(&bytes, 8, 28)), StateError::Truncated, "another number of words");
     assert_eq!(refusal(&model, &with(&bytes, 3, b'D')), StateError::NotAState);
-    assert_eq!(refusal(&model, &with(&bytes, 4, 3)), StateError::Version { given: 3, supported: 2 });
-    assert_eq!(refusal(&model, &with(&bytes, 6, 2)), StateError::Value, "a flag that no version has");
+    for given in [3, 5] {
+        assert_eq!(refusal(&model, &with(&bytes, 4, given)), StateError::Version { given: given.into(), supported: 4 });
+    }
+    assert_eq!(refusal(&model, &with(&bytes, 6, 1)), StateError::Truncated, "a number that is zero");
     let (saved, expected) = (model.id(), MODEL.id());
-    assert_eq!(Evidence::new(&MODEL).restore(&MODEL, &bytes, None), Err(StateError::OtherModel { saved, expected }));
+    assert_eq!(Evidence::new(&MODEL).restore(&MODEL, &bytes), Err(StateError::OtherModel { saved, expected }));
 }
 
 #[test]
 fn numbers_that_no_segments_leave_are_refused() {
     let model = model();
-    let (without, kept) = (saved(&model, None), saved(&model, Some(&baseline(&model, 2.0))));
-    assert_eq!(refusal(&model, &with(&without, SCORES + 3, 0xBF)), StateError::Value, "a negative score");
-    for place in (BASELINE..BASELINE + 8).chain(CONSTANTS..CONSTANTS + 12) {
-        assert_eq!(refusal(&model, &with(&without, place, 1)), StateError::Value, "{place}: there is no baseline");
+    let bytes = saved(&model);
+    assert_eq!(refusal(&model, &with(&bytes, SCORES + 3, 0xBF)), StateError::Value, "a negative score");
+    for place in MAIN..MAIN + 20 {
+        assert_eq!(refusal(&model, &with(&bytes, place, 1)), StateError::Value, "{place}: without directions");
     }
-    assert_eq!(refusal(&model, &with(&kept, BASELINE, 2)), StateError::Value, "a flag is 0 or 1");
-}
-
-#[test]
-fn a_baseline_has_the_constants_that_it_was_saved_with() {
-    let model = model();
-    let (wide, mut narrow) = (baseline(&model, 5.0), baseline(&model, 1.0));
-    let bytes = saved(&model, Some(&wide));
-    assert_eq!(refusal(&model, &bytes), StateError::OtherBaseline);
-    // A program without a baseline takes the alarm all the same.
-    let mut evidence = Evidence::new(&model);
-    assert_eq!(evidence.restore(&model, &bytes, None), Ok(()));
-    assert_eq!(evidence, self::evidence(&model));
-    assert_eq!(evidence.restore(&model, &saved(&model, Some(&narrow.clone())), Some(&mut narrow)), Ok(()));
-}
-
-#[test]
-fn the_first_version_has_ten_words_less() {
-    let model = model();
-    let bytes = saved(&model, None);
-    let mut old = bytes[..bytes.len() - 4 - 40].to_vec();
-    (old[4], old[8]) = (1, 19);
-    let mut evidence = Evidence::new(&model);
-    assert_eq!(evidence.restore(&model, &checked(&old), None), Ok(()));
-    assert_eq!((evidence.segments(), evidence.score()), ((5, 2), 0.0));
-    assert_eq!(refusal(&model, &with(&checked(&old), 4, 2)), StateError::Truncated, "its length as the second one");
 }

@@ -3,14 +3,13 @@
 use core::hint::black_box as opaque;
 
 use bearing_watch::alarm::{Growth, Interval, SilenceLimits};
-use bearing_watch::model::{BaselineConstants, Directions};
+use bearing_watch::model::Directions;
 use bearing_watch::plan::Plan;
 use bearing_watch::{Detector, Evidence, Exchange, Implausible, Model, Monitor, RateCheck, Segment};
 
 /// Every public function of a monitor.
 pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample: impl FnMut() -> P::Sample) {
-    let constants = opaque(BaselineConstants::new(opaque(50.0), opaque(2.0)));
-    let mut monitor = opaque(Monitor::following(Monitor::new(model), constants));
+    let mut monitor = opaque(Monitor::new(model));
     for _ in 0..opaque(50) {
         if let Some(segment) = opaque(Detector::collect(detector, &sample())) {
             let now = Monitor::conclude(&mut monitor, opaque(segment.clone()));
@@ -27,7 +26,7 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
             }
         }
     }
-    let mut other = opaque(Monitor::following_if(Monitor::new(model), opaque(Some(constants))));
+    let mut other = opaque(Monitor::new(model));
     opaque(Monitor::step(&mut other, detector, &sample()).is_some());
     opaque(Monitor::finish(&mut other, detector).alarm);
     Monitor::refuse(&mut other, opaque(Some(Implausible::Rate)));
@@ -39,7 +38,7 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     opaque(Monitor::save_within_run(&other, &mut bytes).is_ok());
     opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor), Monitor::trend(&monitor)));
     opaque(Monitor::growth(&monitor, opaque(1)).is_some());
-    opaque((Monitor::report(&monitor).is_some(), Monitor::baseline(&monitor).is_some(), Monitor::saved_len(&monitor)));
+    opaque((Monitor::report(&monitor).is_some(), Monitor::saved_len(&monitor)));
     opaque((Monitor::save(&mut monitor, &mut bytes).is_ok(), Monitor::restore(&mut monitor, &bytes).is_ok()));
     opaque(Evidence::segments(Monitor::evidence(&monitor)));
     of_directions(model, Monitor::evidence(&monitor));

@@ -133,7 +133,6 @@ pub(super) const REPLAY: Form = Form {
         ("missing", "array", "Features that were missing"),
         ("missing_samples", "object", "Missing samples of the trace: all, by gaps in the time, by empty rows"),
         ("covariates_out_of_range", "array", "Covariates that were missing or outside their range"),
-        ("baseline", "object?", "Offset of the healthy mean that is followed, and whether it is at its bound"),
         ("posteriors", "object", "Probability of each class"),
         ("log_likelihoods", "object", "Logarithmic likelihood of each class"),
         ("distance", "number?", "Distance from the healthy class in its standard deviations"),

@@ -36,7 +36,7 @@ const RARE: &[&str] = &["save", "no_drive", "verbose"];
 const HEADINGS: &[(&str, &[&str])] = &[
     ("Output", &["out", "report", "json", "rust", "c", "commissioning", "rows", "rank", "format", "view"]),
     ("Channels", &["reference", "voltage", "position", "force", "force_gain", "interval", "columns", "further"]),
-    ("Alarm", &["follow", "follow_bound", "run_a_trace"]),
+    ("Alarm", &["run_a_trace"]),
     (
         "Estimation",
         &[

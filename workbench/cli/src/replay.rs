@@ -11,7 +11,7 @@ use super::life::Life;
 use super::options::Taken;
 use super::output;
 use model::Error;
-use model::core::{Embedded, SegmentReport, Stream, Watched, denied, features, stuck_channels};
+use model::core::{Embedded, SegmentReport, Watched, denied, features, stuck_channels};
 use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
 use model::settings::Settings;
@@ -34,12 +34,6 @@ pub(super) struct Args {
     model: PathBuf,
     #[command(flatten)]
     pub(super) taken: Taken<Replay>,
-    /// Lets the healthy mean follow slow changes, with this time constant in segments
-    #[arg(long, value_name = "SEGMENTS")]
-    follow: Option<f32>,
-    /// Bound of what is followed, in healthy standard deviations
-    #[arg(long, value_name = "SD", default_value_t = 2.0, requires = "follow")]
-    follow_bound: f32,
     /// Each trace is a run, from power-up to power-up, whose segments depend on each other. Without it and without
     /// --group, a run ends after the number of segments in the model
     #[arg(long, conflicts_with = "group")]
@@ -61,7 +55,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
     let ModelFile { model, notes } = ModelFile::read(&args.model)?;
     let (mut values, mut replayed) = (Vec::new(), Vec::new());
-    let mut stream = args.stream(&model)?;
+    let mut stream = model.stream();
     let traces = traces::read(&args.taken.settings.data.traces, &notes.channels)?;
     irregular(traces.iter()).iter().chain(&refused(traces.iter())).for_each(output::warn);
     if let Some(told) = told(traces.iter()).filter(|_| !args.json) {
@@ -90,8 +84,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
                     + &without(&missing(&model, &notes.orders, segment))
                     + &beyond(&outside(&model, &notes.orders, segment))
                     + &shaft(&notes.orders, segment)
-                    + &if gated { far(segment, watched) } else { "".into() }
-                    + &offset(segment),
+                    + &if gated { far(segment, watched) } else { "".into() },
             )?;
             if let (Some(alarm), Some(cause), false) = (watched.alarm, model.cause(watched, &notes.orders), raised) {
                 raised = true;
@@ -184,24 +177,6 @@ impl Args {
         let further = further_columns(model.model(), &notes.channels, "--rows")?;
         output::write(file, raw_rows(trace, front_end, &further)?)
     }
-
-    fn stream<'m>(&self, model: &'m Embedded) -> Result<Stream<'m>, Error> {
-        let Some(segments) = self.follow else { return Ok(model.stream()) };
-        let refuse = || {
-            let problem =
-                "--follow is at least 1 segment, --follow-bound is above 0, and the model needs a healthy class";
-            Error::Usage(problem.into())
-        };
-        model.stream_following(segments, self.follow_bound).ok_or_else(refuse)
-    }
-}
-
-/// Returns the offset of the baseline.
-fn offset(segment: &SegmentReport) -> String {
-    let Some((offset, at_bound)) = &segment.followed else { return String::new() };
-    let offset: Vec<String> = offset.iter().map(|x| format!("{x:.2}")).collect();
-    let bound = if *at_bound { ", bound reached" } else { "" };
-    format!(", baseline [{}]{bound}", offset.join(", "))
 }
 
 /// Returns the distance from healthy, and the evidence so far.
@@ -312,7 +287,6 @@ fn value(
         "missing": missing,
         "missing_samples": trace.missing.to_json(),
         "covariates_out_of_range": outside,
-        "baseline": segment.followed.as_ref().map(|(offset, at_bound)| json!({ "offset": offset, "at_bound": at_bound })),
         "posteriors": named(&segment.posteriors),
         "log_likelihoods": named(&segment.log_likelihoods),
         "distance": segment.distance,

@@ -1,4 +1,4 @@
-//! Covariates and a baseline on the command line.
+//! Covariates on the command line.
 
 use super::common::{refuse, rewrite_column, succeed};
 use serde_json::Value;
@@ -43,9 +43,6 @@ fn a_temperature_explains_friction_and_its_range_is_kept() {
         json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"))["covariates_out_of_range"],
         0
     );
-    let followed = succeed(dir, "replay --model m.bwm test --follow 10 --follow-bound 1.5");
-    assert!(followed.contains(", baseline ["), "{followed}");
-    assert!(!succeed(dir, "replay --model m.bwm test").contains("baseline"));
 }
 
 #[test]
@@ -58,6 +55,4 @@ fn bad_covariates_are_refused() {
     refuse(dir, &with("--covariates viscosity"), &["--covariates: no viscosity"]);
     refuse(dir, &with("--covariates a1"), &["a1 is a combination"]);
     refuse(dir, &with("--covariates rms_current_a --block-mean 2"), &["root mean square"]);
-    succeed(dir, &with("--false-alarm 0.2"));
-    refuse(dir, "replay --model n.bwm train --follow 0.5", &["--follow is at least 1 segment"]);
 }

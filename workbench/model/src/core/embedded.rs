@@ -129,7 +129,6 @@ impl Embedded {
                 .map_or_else(Vec::new, |(shaft, own)| shaft_values(self.model.plan(), shaft, &own.balance)),
             rows: estimate.filter(|own| own.reason.is_none()).map_or(report.rows, |own| own.rows),
             counts: report.counts,
-            followed: None,
             start: 0,
             length: 0,
         }

@@ -45,8 +45,6 @@ pub struct SegmentReport {
     pub outside: Vec<bool>,
     /// The model's features that were missing; empty if there is no verdict.
     pub missing: Vec<Feature>,
-    /// Offset of the baseline after the segment, and whether the bound was reached; `None` without one.
-    pub followed: Option<(Vec<f32>, bool)>,
     /// Rows of the regression.
     pub rows: u32,
     /// Numbers of samples and rows that were rejected or downweighted, and the stuck channels.

@@ -1,9 +1,8 @@
 //! Traces through the two halves of the firmware, whole or in pieces.
 
 use bearing_watch::alarm::StateError;
-use bearing_watch::model::BaselineConstants;
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Detector, Following, Monitor};
+use bearing_watch::{Detector, Monitor};
 
 use super::embedded::Embedded;
 use super::segment::SegmentReport;
@@ -18,7 +17,7 @@ pub type Judged = (SegmentReport, Watched);
 pub struct Stream<'m> {
     model: &'m Embedded,
     detector: Detector<'m, RunTime>,
-    monitor: Monitor<'m, RunTime, Following<RunTime>>,
+    monitor: Monitor<'m, RunTime>,
     /// Number of samples so far.
     taken: usize,
     /// Number of samples before the open segment.
@@ -37,24 +36,12 @@ impl Embedded {
     /// The detector and its monitor before the first sample of a drive.
     #[must_use]
     pub fn stream(&self) -> Stream<'_> {
-        Stream::new(self, Monitor::new(self.model()).following_if(None))
-    }
-
-    /// As [`Embedded::stream`], with a baseline that follows slow changes from trace to trace, with this time constant
-    /// in segments and this bound in healthy standard deviations. `None` if one of them is out of range, or the model
-    /// has no healthy class.
-    #[must_use]
-    pub fn stream_following(&self, segments: f32, bound: f32) -> Option<Stream<'_>> {
-        let monitor = Monitor::new(self.model()).following(BaselineConstants::new(segments, bound));
-        monitor.baseline().is_some().then(|| Stream::new(self, monitor.clone()))
+        let (detector, monitor) = (Detector::new(self.model()), Monitor::new(self.model()));
+        Stream { model: self, detector, monitor, taken: 0, start: 0, first: true }
     }
 }
 
-impl<'m> Stream<'m> {
-    fn new(model: &'m Embedded, monitor: Monitor<'m, RunTime, Following<RunTime>>) -> Self {
-        Self { model, detector: Detector::new(model.model()), monitor, taken: 0, start: 0, first: true }
-    }
-
+impl Stream<'_> {
     /// Number of samples of the trace so far.
     #[must_use]
     pub const fn taken(&self) -> usize {
@@ -124,7 +111,7 @@ impl<'m> Stream<'m> {
                 return (segment, watched);
             }
             let problem = format!("{pending} samples are no more than half a segment of {whole}");
-            (SegmentReport { followed: None, ..segment.undetermined(problem) }, watched)
+            (segment.undetermined(problem), watched)
         });
         self.detector = Detector::new(self.model.model());
         (self.taken, self.start, self.first) = (0, 0, true);
@@ -134,16 +121,15 @@ impl<'m> Stream<'m> {
     /// The last segment, with what is known then.
     fn judged(&self) -> Option<Judged> {
         let segment = self.model.segment(self.monitor.report()?);
-        let followed = self.monitor.baseline().map(|own| (own.offset().to_vec(), own.at_bound()));
         let (start, length) = (self.start, self.taken - self.start);
-        Some((SegmentReport { start, length, followed, ..segment }, self.watched()))
+        Some((SegmentReport { start, length, ..segment }, self.watched()))
     }
 
     fn watched(&self) -> Watched {
         Watched::of(self.monitor.evidence())
     }
 
-    /// The evidence, with alarm and trend, and a baseline as bytes, as the firmware stores them.
+    /// The evidence, with alarm and trend, as bytes, as the firmware stores them.
     #[must_use]
     pub fn save(&self) -> Vec<u8> {
         let mut bytes = vec![0; self.monitor.saved_len()];
