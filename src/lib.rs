@@ -36,7 +36,7 @@
 //!             Estimate: parameters, covariance, σ² ◄───────┘                 │
 //! decide         ▼ features ─► covariates ─► projection ─► discriminant, gates ◄───────────┘
 //!             Decision ─► Verdict
-//! alarm       Evidence ─► Alarm, Trend
+//! alarm       Evidence ─► Alarm
 //!             HealthyClass: learned on the drive, on request
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    Detector, of the interrupt: samples ─► Segment;   Monitor, of the main loop: Segment ─► Report, Alarm
@@ -125,7 +125,6 @@ pub use defmt;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod internals {
-    pub use crate::alarm::trend::MAX_TREND_SEGMENTS;
     pub use crate::decide::{Classification, MAX_SURPRISE};
     pub use crate::detector::{Solver, conclude};
     pub use crate::regression::estimate::{Alone, Detached, Estimator, RegressionSolve, RegressionSums, is_stable};

@@ -66,7 +66,4 @@ fn of_decision<P: Plan>(decision: &Decision<P>) {
 /// Checks the state of an alarm.
 pub fn evidence<P: Plan>(evidence: &Evidence<P>) {
     all("score", [evidence.score()]);
-    if let Some(trend) = evidence.trend() {
-        all("trend", [trend.mean, trend.slope, trend.low, trend.high]);
-    }
 }

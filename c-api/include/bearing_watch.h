@@ -631,12 +631,6 @@ typedef struct BwAlarm {
   float score;
   // The score that raises the alarm, nats; infinite if the model has none.
   float limit;
-  // Trend of the distance from healthy, standard deviations a segment; NaN with fewer than four decided segments.
-  float slope;
-  // Lower end of its 95 % interval: above zero the distance grows.
-  float slope_low;
-  // Upper end.
-  float slope_high;
   // Whether no segment has had a verdict for too long (`bw_limit_silence`): the diagnosis is lost. False again with
   // the next verdict.
   bool silent;
@@ -1194,7 +1188,7 @@ BwCode bw_end_run(struct BwState *state);
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
 BwCode bw_deny(struct BwState *state);
 
-// Starts afresh, as after a repair: open and closed segment, report, alarm, scores and trend. With the interrupt
+// Starts afresh, as after a repair: open and closed segment, report, alarm and scores. With the interrupt
 // masked. `BW_CODE_BUSY` if another function works on the state; nothing is then changed.
 //
 // # Safety
@@ -1233,7 +1227,7 @@ BwCode bw_growth_to(struct BwState *state, uint8_t direction, float size, struct
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `length` is NULL or writable.
 BwCode bw_saved_size(const struct BwState *state, size_t *length);
 
-// Writes alarm, scores and trend into `bytes`, to be stored where they survive power-off. Call `bw_end_run` before, at
+// Writes alarm and scores into `bytes`, to be stored where they survive power-off. Call `bw_end_run` before, at
 // power-down where a run is from power-up to power-up. The open segment is not saved.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives, or
@@ -1244,7 +1238,7 @@ BwCode bw_saved_size(const struct BwState *state, size_t *length);
 // bytes.
 BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 
-// Continues from the alarm, scores and trend that `bw_save` wrote, for this model; there is no report then, and a
+// Continues from the alarm and scores that `bw_save` wrote, for this model; there is no report then, and a
 // segment that was being solved is left out. In case of an error nothing changes.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_SAVED_STATE` if the bytes are not a saved state of this version or are corrupted,
@@ -1264,7 +1258,7 @@ BwCode bw_restore(struct BwState *state, const uint8_t *bytes, size_t length);
 // `flash` is NULL or readable, and its functions keep what `BwFlash` says.
 BwCode bw_flash_prepare(const struct BwFlash *flash);
 
-// Saves alarm, scores and trend in flash, as `bw_save` does; if power fails on the way, the record before is still
+// Saves alarm and scores in flash, as `bw_save` does; if power fails on the way, the record before is still
 // there. `buffer` has room for `bw_saved_size` bytes.
 //
 // Returns `BW_CODE_OK`, what `bw_save` returns, or `BW_CODE_FLASH_…`.

@@ -28,12 +28,6 @@ pub struct BwAlarm {
     pub score: f32,
     /// The score that raises the alarm, nats; infinite if the model has none.
     pub limit: f32,
-    /// Trend of the distance from healthy, standard deviations a segment; NaN with fewer than four decided segments.
-    pub slope: f32,
-    /// Lower end of its 95 % interval: above zero the distance grows.
-    pub slope_low: f32,
-    /// Upper end.
-    pub slope_high: f32,
     /// Whether no segment has had a verdict for too long (`bw_limit_silence`): the diagnosis is lost. False again with
     /// the next verdict.
     pub silent: bool,
@@ -70,11 +64,9 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
                 Some(Cause::Class(class)) => Some(class),
                 _ => None,
             };
-            let (trend, main) = (evidence.trend(), evidence.main_contribution());
-            let silence = evidence.silence();
+            let (main, silence) = (evidence.main_contribution(), evidence.silence());
             let (silent_reason, silent_place) =
                 silence.and_then(|silence| silence.reason).map_or((BwReason::None, 0), named);
-            let of_trend = |value: fn(bearing_watch::alarm::Trend) -> f32| trend.map_or(f32::NAN, value);
             BwAlarm {
                 raised: raised.is_some(),
                 known: class.is_some(),
@@ -84,9 +76,6 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
                 undetermined,
                 score: evidence.score(),
                 limit,
-                slope: of_trend(|own| own.slope),
-                slope_low: of_trend(|own| own.low),
-                slope_high: of_trend(|own| own.high),
                 silent: silence.is_some(),
                 silent_place,
                 silent_segments: silence.map_or(0, |silence| silence.segments),
@@ -153,7 +142,7 @@ pub unsafe extern "C" fn bw_deny(state: *mut BwState) -> BwCode {
     code(denied.map(|denied| if denied { BwCode::Ok } else { BwCode::Idle }))
 }
 
-/// Starts afresh, as after a repair: open and closed segment, report, alarm, scores and trend. With the interrupt
+/// Starts afresh, as after a repair: open and closed segment, report, alarm and scores. With the interrupt
 /// masked. `BW_CODE_BUSY` if another function works on the state; nothing is then changed.
 ///
 /// # Safety

@@ -133,7 +133,7 @@ pub unsafe extern "C" fn bw_flash_prepare(flash: *const BwFlash) -> BwCode {
     }))
 }
 
-/// Saves alarm, scores and trend in flash, as `bw_save` does; if power fails on the way, the record before is still
+/// Saves alarm and scores in flash, as `bw_save` does; if power fails on the way, the record before is still
 /// there. `buffer` has room for `bw_saved_size` bytes.
 ///
 /// Returns `BW_CODE_OK`, what `bw_save` returns, or `BW_CODE_FLASH_…`.

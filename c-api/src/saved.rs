@@ -19,7 +19,7 @@ pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize
     code(size.and_then(|size| unsafe { put(length, size) }).map(|()| BwCode::Ok))
 }
 
-/// Writes alarm, scores and trend into `bytes`, to be stored where they survive power-off. Call `bw_end_run` before, at
+/// Writes alarm and scores into `bytes`, to be stored where they survive power-off. Call `bw_end_run` before, at
 /// power-down where a run is from power-up to power-up. The open segment is not saved.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives, or
@@ -52,7 +52,7 @@ pub(crate) unsafe fn save<'a>(state: *mut BwState, bytes: *mut u8, capacity: usi
     Ok((buffer, state.model.id()))
 }
 
-/// Continues from the alarm, scores and trend that `bw_save` wrote, for this model; there is no report then, and a
+/// Continues from the alarm and scores that `bw_save` wrote, for this model; there is no report then, and a
 /// segment that was being solved is left out. In case of an error nothing changes.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_SAVED_STATE` if the bytes are not a saved state of this version or are corrupted,

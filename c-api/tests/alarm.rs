@@ -1,4 +1,4 @@
-//! The alarm through the C functions: of a trained defect, of what resembles none, and the trend beside it.
+//! The alarm through the C functions: of a trained defect, and of what resembles none.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::expect_used,
@@ -58,17 +58,4 @@ fn what_resembles_no_defect_is_not_known() {
     // A sensor of five times the gain.
     let raised = (0..4).map(|_| take(state, 0, 5.0)).find(|alarm| alarm.raised).expect("an alarm");
     assert_eq!(told(&raised), (true, false, 0, raised.segments));
-}
-
-#[test]
-fn the_slope_is_within_its_interval() {
-    let mut memory = Memory::new();
-    let state = memory.state(&bytes(&alarmed::model())).expect("good model");
-    let alarms = [0, SPALL, 0, SPALL, 0].map(|trace| take(state, trace, 1.0));
-    let [.., early, last] = alarms;
-    assert!(alarms[2].slope_low.is_nan() && early.slope.is_finite(), "from the fourth segment on");
-    // Distances a b a b a lie symmetrically about the third: no slope, and a wide interval about it.
-    let width = last.slope_high - last.slope_low;
-    assert!(width > 0.0 && last.slope_low < 0.0 && last.slope_high > 0.0, "{last:?}");
-    assert!((last.slope / width).abs() < 1e-3 && ((last.slope_high + last.slope_low) / width).abs() < 1e-3, "{last:?}");
 }

@@ -45,8 +45,6 @@ class Verdicts:
         Whether the alarm was raised by then.
     cause : ndarray of str, shape (s,)
         The class that it names, or ``unknown``.
-    trend : ndarray of float32, shape (s, 3)
-        Slope of the distance a segment, and the ends of its interval.
     direction : ndarray of str, shape (s,)
         The feature that raised the alarm, or has risen most, in a model whose alarm watches runs.
     size, growth : ndarray of float32, shape (s, 3)
@@ -85,7 +83,6 @@ class Verdicts:
     score: _Single
     alarm: npt.NDArray[np.bool_]
     cause: _Text
-    trend: _Single
     direction: _Text
     size: _Single
     growth: _Single

@@ -201,8 +201,6 @@ impl Detector {
         result.set_item("alarm", PyArray1::from_iter(py, judged.iter().map(|(_, own)| own.alarm.is_some())))?;
         let cause = |(_, own): &Judged| model.cause(own, file.orders()).unwrap_or_default();
         result.set_item("cause", judged.iter().map(cause).collect::<Vec<_>>())?;
-        let trend = |(_, own): &Judged| own.trend.map_or_else(Vec::new, |own| vec![own.slope, own.low, own.high]);
-        result.set_item("trend", wide(3, &trend)?)?;
         let ends = |of: Interval| vec![of.value, of.low, of.high];
         let growth = |of: &dyn Fn(Growth) -> Option<Interval>| {
             let row = |(_, own): &Judged| own.growth.and_then(|(_, growth)| of(growth)).map_or_else(Vec::new, ends);

@@ -59,7 +59,6 @@ mod words;
 use super::growth::Growth;
 use super::runs::{Contribution, Runs};
 use super::silence::{Silence, SilenceLimits, Silent};
-use super::trend::{Drift, Trend};
 use crate::decide::{Decision, Directions, UNMARKED};
 use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
@@ -130,7 +129,6 @@ pub struct Evidence<P: Plan> {
     alarm: Option<Alarm>,
     segments: u32,
     undetermined: u32,
-    drift: Drift,
     silent: Silent,
     /// Runs in the directions of the model; not used without directions.
     runs: Runs<P>,
@@ -166,7 +164,6 @@ impl<P: Plan> Evidence<P> {
             alarm: None,
             segments: 0,
             undetermined: 0,
-            drift: Drift::NONE,
             silent: Silent::NONE,
             runs: Runs::new(directions),
             main: None,
@@ -215,7 +212,6 @@ impl<P: Plan> Evidence<P> {
         };
         self.silent.end();
         let healthy = self.healthy?;
-        self.drift.add(decision.distance);
         let EvidenceConstants { bet, cap, segments_a_run, .. } = self.constants;
         self.run = self.run.saturating_add(1);
         if self.runs.are_used() {
@@ -391,12 +387,6 @@ impl<P: Plan> Evidence<P> {
         self.silent.silence()
     }
 
-    /// Course of the distance from the healthy class over the decided segments; nothing before there are four.
-    #[must_use]
-    pub fn trend(&self) -> Option<Trend> {
-        self.drift.trend()
-    }
-
     /// Denies the alarm that stands, because the bearing was inspected and is sound; without one nothing changes, and
     /// the result is false. Scores start afresh, and the standard deviation of runs of the direction that raised the
     /// alarm becomes 1.5 times as large, for at most three such alarms. A defect that is denied again and again
@@ -417,12 +407,11 @@ impl<P: Plan> Evidence<P> {
         (self.novelty, self.run, self.main, self.alarm) = (Score::ZERO, 0, None, None);
     }
 
-    /// Starts afresh, as after a repair: alarm, scores, counts, silence, trend, and what was learned of the drive.
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence, and what was learned of the drive.
     pub fn reset(&mut self) {
         self.start_scores();
         self.runs.reset();
         (self.segments, self.undetermined) = (0, 0);
-        self.drift = Drift::NONE;
         self.silent.end();
     }
 }

@@ -1,9 +1,9 @@
 //! Decisions of many segments → [`Alarm`](crate::Alarm) with its cause, and what is kept from one segment to the next.
 //!
-//! Enters: a decision, or the reason why there is none, once a segment. Leaves: alarm, trend, growth and silence.
+//! Enters: a decision, or the reason why there is none, once a segment. Leaves: alarm, growth and silence.
 //!
 //! ```text
-//! evidence        decisions of segments, runs ─► Alarm          trend, silence   growth; segments without a verdict
+//! evidence        decisions of segments, runs ─► Alarm          silence          segments without a verdict
 //! growth          size of a defect, and time left               commissioning    learns the healthy class on the drive
 //! ```
 
@@ -13,14 +13,12 @@ mod growth;
 mod runs;
 mod silence;
 mod state_error;
-pub(crate) mod trend;
 
 pub use commissioning::CommissioningError;
 pub use growth::{Growth, Interval};
 pub use runs::Contribution;
 pub use silence::{Silence, SilenceLimits};
 pub use state_error::StateError;
-pub use trend::Trend;
 
 pub(crate) use commissioning::{CommissioningConstants, HealthyClass};
 pub(crate) use evidence::{Evidence, EvidenceConstants};

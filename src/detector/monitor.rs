@@ -20,7 +20,7 @@ use super::sequence::Sequence;
 use super::solver::Solve;
 use super::verdict;
 use crate::alarm::evidence::{Alarm, Evidence};
-use crate::alarm::{Growth, Silence, SilenceLimits, StateError, Trend};
+use crate::alarm::{Growth, Silence, SilenceLimits, StateError};
 use crate::model::Model;
 use crate::plan::Plan;
 use crate::reason::{Implausible, Reason};
@@ -312,12 +312,6 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.evidence.alarm()
     }
 
-    /// Course of the distance from the healthy class.
-    #[must_use]
-    pub fn trend(&self) -> Option<Trend> {
-        self.evidence.trend()
-    }
-
     /// The size of a defect in a direction of the model, and the time left: see [`Evidence::growth`].
     #[must_use]
     pub fn growth(&self, direction: u8) -> Option<Growth> {
@@ -336,7 +330,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.evidence.deny()
     }
 
-    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend.
+    /// Starts afresh, as after a repair: alarm, scores, counts and silence.
     pub fn reset(&mut self) {
         self.evidence.reset();
         (self.work, self.segment) = (Work::Settled, None);
@@ -348,7 +342,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         Evidence::saved_len(self.model)
     }
 
-    /// Writes alarm, scores and trend in a run that goes on; returns the number of bytes. It is as if the
+    /// Writes alarm and scores in a run that goes on; returns the number of bytes. It is as if the
     /// power went off within the run.
     ///
     /// # Errors
@@ -357,7 +351,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.evidence.save(self.model, buffer)
     }
 
-    /// Ends the run and writes alarm, scores and trend; returns the number of bytes.
+    /// Ends the run and writes alarm and scores; returns the number of bytes.
     ///
     /// # Errors
     /// [`StateError::BufferTooSmall`].

@@ -184,7 +184,7 @@ impl<P: Plan, F> Watch<P, F> {
         })
     }
 
-    /// Ends a run, at power-down, and writes evidence, alarm and trend into `buffer`; returns the number of bytes.
+    /// Ends a run, at power-down, and writes evidence and alarm into `buffer`; returns the number of bytes.
     /// [`Watch::restore`] continues from them after the next start.
     ///
     /// # Errors

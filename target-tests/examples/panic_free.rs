@@ -244,7 +244,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     Detector::discard(opaque(&mut detector));
     Detector::restart(opaque(&mut detector));
     opaque((Evidence::alarm(&evidence), Evidence::score(&evidence), Evidence::segments(&evidence)));
-    opaque((Evidence::trend(&evidence), Evidence::silence(&evidence)));
+    opaque(Evidence::silence(&evidence));
     Evidence::limit_silence(&mut evidence, SilenceLimits { segments: opaque(3), hours: opaque(1.0) });
     opaque(Evidence::deny(&mut evidence));
     Evidence::reset(opaque(&mut evidence));

@@ -150,7 +150,7 @@ pub const BOUNDS: [Bound; 120] = [
     bytes("flash of the whole detector, LS", Some(8), 14_500),
     bytes("flash of the whole detector, SRIV", Some(8), 16_860),
     bytes("flash of the whole detector, LS and shaft", Some(8), 35_800),
-    // With growth, silence and trend.
+    // With growth and silence.
     bytes("flash of the evidence of runs, its reason and its growth", Some(5), 6500),
     bytes("evidence of runs, longest segment", Some(5), 840),
     bound("evidence of runs, longest segment", Some(5), 3300),

@@ -1,4 +1,4 @@
-//! Novelty gate and evidence in the core's arithmetic: set false-alarm rates, alarms and trends.
+//! Novelty gate and evidence in the core's arithmetic: set false-alarm rates and alarms.
 
 use bearing_watch::model::{Directions, EvidenceConstants, Feature, KNOTS, Novelty};
 use bearing_watch::plan::Structure;
@@ -272,64 +272,8 @@ fn a_defect_alarms_within_three_segments_by_name_and_stays_until_reset() {
             assert_eq!(observe(&mut evidence, 0.0), Some(alarm));
         }
         evidence.reset();
-        assert_eq!((evidence.alarm(), evidence.score(), evidence.trend()), (None, 0.0, None));
+        assert_eq!((evidence.alarm(), evidence.score()), (None, 0.0));
         assert_eq!(observe(&mut evidence, 0.0), None);
-    }
-}
-
-/// What the evidence of three classes holds after these distances from a healthy class that is the most plausible.
-fn observed(distances: &[f32]) -> Evidence<RunTime> {
-    let model = model(3, 1000.0, 3.0);
-    let mut evidence = Evidence::new(&model);
-    let plausible = model.constants().classifier.decide(model.plan(), &[0.0, -9.0, -9.0], 0.5);
-    let mut decision = plausible.expect("finite likelihoods");
-    for distance in distances {
-        decision.distance = *distance;
-        evidence.observe(Some(&decision));
-    }
-    evidence
-}
-
-/// Slope and standard error by the usual sums in double precision, in two passes.
-fn regression(distances: &[f32]) -> (f64, f64) {
-    let n = distances.len() as f64;
-    let mean = distances.iter().map(|d| f64::from(*d)).sum::<f64>() / n;
-    let centred = || distances.iter().zip(0..).map(|(d, t)| (f64::from(t) - (n - 1.0) / 2.0, f64::from(*d) - mean));
-    let span: f64 = centred().map(|(t, _)| t * t).sum();
-    let slope = centred().map(|(t, d)| t * d).sum::<f64>() / span;
-    let left: f64 = centred().map(|(t, d)| (d - slope * t).powi(2)).sum();
-    (slope, (left / (n - 2.0) / span).sqrt())
-}
-
-fn distances(count: usize, slope: f64, random: &mut impl Rng) -> Vec<f32> {
-    let normal = |random: &mut _| -> f64 { StandardNormal.sample(random) };
-    (0..count).map(|t| (5.0 + slope * t as f64 + 0.4 * normal(random)) as f32).collect()
-}
-
-#[test]
-fn the_trend_is_that_of_a_regression() {
-    let mut random = ChaCha8Rng::seed_from_u64(9);
-    for (count, slope) in [(4, 0.1), (50, 0.01), (10_000, 1e-4), (1_000_000, 1e-6), (1_000_000, 0.0)] {
-        let distances = distances(count, slope, &mut random);
-        let trend = observed(&distances).trend().expect("enough segments");
-        let (slope, error) = regression(&distances);
-        // Rounding of a million sums in f32 against a standard error of the slope.
-        assert!((f64::from(trend.slope) - slope).abs() < 0.1 * error, "{count}: {trend:?} for {slope} ± {error}");
-        assert!((f64::from(trend.standard_error) / error - 1.0).abs() < 0.01, "{count}: {trend:?} for ± {error}");
-    }
-}
-
-#[test]
-fn the_trend_s_interval_covers() {
-    let mut random = ChaCha8Rng::seed_from_u64(10);
-    for count in [5, 8, 40] {
-        let covered = (0..4000).filter(|_| {
-            let trend = observed(&distances(count, 0.02, &mut random)).trend().expect("enough segments");
-            (trend.low..trend.high).contains(&0.02)
-        });
-        let part = covered.count() as f64 / 4000.0;
-        // 4000 trials: a deviation of 0.35 points.
-        assert!((part - 0.95).abs() < 0.0125, "{count}: {part}");
     }
 }
 

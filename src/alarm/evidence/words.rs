@@ -1,13 +1,13 @@
 //! The state of the alarm as words, and back.
 
 use super::super::runs;
-use super::{Alarm, Cause, Contribution, Drift, Evidence, EvidenceConstants, Score};
+use super::{Alarm, Cause, Contribution, Evidence, EvidenceConstants, Score};
 use crate::plan::{Cells, Layout, Plan};
 use crate::regression::factor::pairs;
 
-/// Words beside those of classes and directions: 5 of the counts and the alarm, 2 of the novelty, 8 of the trend, 3 of
-/// the silence, 4 of what raised the alarm, and how many runs are learned.
-const COMMON: usize = 23;
+/// Words beside those of classes and directions: 5 of the counts and the alarm, 2 of the novelty, 3 of the silence,
+/// 4 of what raised the alarm, and how many runs are learned.
+const COMMON: usize = 15;
 /// Words a class.
 const EACH: usize = 3;
 /// The cause of an alarm is a number: none, unknown, and from here on the class.
@@ -36,7 +36,7 @@ impl<P: Plan> Evidence<P> {
             put(run.to_bits());
         }
         self.support.cells().iter().for_each(|support| put(support.to_bits()));
-        self.drift.words().into_iter().flatten().chain(self.silent.words()).for_each(&mut *put);
+        self.silent.words().into_iter().for_each(&mut *put);
         let Contribution { direction, deviations, score, since } = self.main.unwrap_or_default();
         let direction = if self.main.is_some() { u32::from(direction).saturating_add(1) } else { 0 };
         [direction, deviations.to_bits(), score.to_bits(), since].into_iter().for_each(&mut *put);
@@ -63,8 +63,6 @@ impl<P: Plan> Evidence<P> {
         for support in self.support.cells_mut() {
             *support = f32::from_bits(take()?);
         }
-        let newer = [take()?, take()?, take()?, take()?];
-        self.drift = Drift::from_words([newer, [take()?, take()?, take()?, take()?]])?;
         self.silent.restore([take()?, take()?, take()?], self.undetermined)?;
         self.main = self.main_of([take()?, take()?, take()?, take()?])?;
         self.runs.restore(take, self.segments)?;
@@ -88,7 +86,7 @@ impl<P: Plan> Evidence<P> {
     fn is_plausible(&self) -> bool {
         let Self { segments, undetermined, run, .. } = *self;
         let decided = segments.saturating_sub(undetermined);
-        let counted = undetermined <= segments && run <= decided && self.drift.count() <= decided;
+        let counted = undetermined <= segments && run <= decided;
         let directed = matches!(self.alarm, Some(Alarm { cause: Cause::Coordinate(_), .. }));
         counted && self.main.is_some() == directed && self.raised() && self.scored(decided)
     }

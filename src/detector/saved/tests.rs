@@ -57,11 +57,11 @@ fn refusal(model: &Model<Drive>, bytes: &[u8]) -> StateError {
     error
 }
 
-/// Of header and words of two classes without directions: counts, alarm, scores, support, trend, silence, what raised
-/// the alarm, and runs learned.
+/// Of header and words of two classes without directions: counts, alarm, scores, support, silence, what raised the
+/// alarm, and runs learned.
 const HEAD: usize = 16;
 const SCORES: usize = HEAD + 4 * 5;
-const MAIN: usize = SCORES + 4 * (2 + 3 * 2 + 8 + 3);
+const MAIN: usize = SCORES + 4 * (2 + 3 * 2 + 3);
 
 #[test]
 fn header_and_counts_are_where_the_format_has_them() {
@@ -69,7 +69,7 @@ fn header_and_counts_are_where_the_format_has_them() {
     let bytes = saved(&model);
     assert_eq!(bytes.len(), MAIN + 4 * 5 + 4);
     let [i0, i1, i2, i3] = model.id().to_le_bytes();
-    assert_eq!(bytes[..HEAD], [b'B', b'W', b'S', b'T', 4, 0, 0, 0, 29, 0, 0, 0, i0, i1, i2, i3]);
+    assert_eq!(bytes[..HEAD], [b'B', b'W', b'S', b'T', 4, 0, 0, 0, 21, 0, 0, 0, i0, i1, i2, i3]);
     assert_eq!(bytes[HEAD..HEAD + 8], [5, 0, 0, 0, 2, 0, 0, 0], "segments, and those without a verdict");
     assert_eq!(bytes, checked(&bytes[..bytes.len() - 4]));
     assert_eq!(bytes[MAIN..MAIN + 20], [0; 20], "no directions");

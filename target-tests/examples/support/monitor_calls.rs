@@ -36,7 +36,7 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     RateCheck::restart(&mut rate);
     let mut bytes = opaque([0; 1000]);
     opaque(Monitor::save_within_run(&other, &mut bytes).is_ok());
-    opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor), Monitor::trend(&monitor)));
+    opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor)));
     opaque(Monitor::growth(&monitor, opaque(1)).is_some());
     opaque((Monitor::report(&monitor).is_some(), Monitor::saved_len(&monitor)));
     opaque((Monitor::save(&mut monitor, &mut bytes).is_ok(), Monitor::restore(&mut monitor, &bytes).is_ok()));

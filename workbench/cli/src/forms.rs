@@ -146,7 +146,6 @@ pub(super) const REPLAY: Form = Form {
             "object?",
             "After the last segment of a trace: load collective and nominal life of the bearing so far",
         ),
-        ("trend", "object?", "Slope of the distance a segment, with its interval"),
         ("parameters", "object?", "Parameters of the difference model"),
         ("variance", "number?", "Variance of its residuals"),
         ("friction", "object?", "Terms of the torque balance: names, values, deviations and scores"),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bearing_watch::FrictionTerm;
-use bearing_watch::alarm::{Contribution, Interval, Trend};
+use bearing_watch::alarm::{Contribution, Interval};
 use serde_json::{Value, json};
 
 use super::jobs::Replay;
@@ -63,7 +63,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     check_rate(&model, notes.preparation(), traces.iter())?;
     args.write_rows(&model, &notes)?;
-    let (mut raised, mut trend, mut size) = (false, None, String::new());
+    let (mut raised, mut size) = (false, String::new());
     let mut conclusion = Conclusion::new(&model, &notes.orders);
     let ends = args.run_ends(&notes, &traces)?;
     let mut life = Life::new(&args.taken.settings, &notes)?;
@@ -93,7 +93,6 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             if !watched.run.is_empty() {
                 output::say(run_line(&model, &notes.orders, watched))?;
             }
-            trend = watched.trend;
             size = watched.size(&|direction| model.direction_name(&notes.orders, direction));
         }
         if args.report.is_some() {
@@ -110,9 +109,6 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     if !size.is_empty() {
         output::say(size)?;
-    }
-    if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
-        output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
     }
     life.lines().iter().try_for_each(output::say)?;
     output::say(conclusion.words())
@@ -315,7 +311,6 @@ fn value(
             "hours_left": growth.left_hours().filter(|_| growth.run_hours > 0.0).map(interval),
         })),
         "life": life,
-        "trend": watched.trend.map(|t| interval(Interval { value: t.slope, low: t.low, high: t.high })),
         "parameters": estimated.then(|| named_by(&model.structure().map_or_else(Vec::new, |own| own.names()), &segment.raw)),
         "variance": estimated.then_some(segment.variance),
         "friction": segment.friction.filter(|friction| friction.rows > 0).map(|friction| {

@@ -129,7 +129,7 @@ impl Stream<'_> {
         Watched::of(self.monitor.evidence())
     }
 
-    /// The evidence, with alarm and trend, as bytes, as the firmware stores them.
+    /// The evidence, with its alarm, as bytes, as the firmware stores them.
     #[must_use]
     pub fn save(&self) -> Vec<u8> {
         let mut bytes = vec![0; self.monitor.saved_len()];

@@ -1,6 +1,6 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
-use bearing_watch::alarm::{Contribution, Growth, Interval, Silence, Trend};
+use bearing_watch::alarm::{Contribution, Growth, Interval, Silence};
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Alarm, Decision, Evidence, Model};
 
@@ -17,8 +17,6 @@ pub struct Watched {
     pub main: Option<Contribution>,
     /// Size and growth in the direction that raised the alarm, before an alarm in that of the largest score.
     pub growth: Option<(u8, Growth)>,
-    /// Slope of the distance from healthy.
-    pub trend: Option<Trend>,
     /// Whether no segment has had a verdict for too long, and why.
     pub silence: Option<Silence>,
     /// What each direction contributes, after the last segment of a run; empty after others.
@@ -30,12 +28,12 @@ pub struct Watched {
 impl Watched {
     pub(super) fn of(evidence: &Evidence<RunTime>) -> Self {
         let (score, alarm) = (evidence.score(), evidence.alarm());
-        let (main, trend, silence) = (evidence.main_contribution(), evidence.trend(), evidence.silence());
+        let (main, silence) = (evidence.main_contribution(), evidence.silence());
         let directions = (0..u8::MAX).map_while(|k| evidence.contribution(k));
         let largest = directions.max_by(|a, b| a.score.total_cmp(&b.score));
         let direction = main.or(largest).map(|contribution| contribution.direction);
         let growth = direction.and_then(|k| evidence.growth(k).map(|growth| (k, growth)));
-        Self { score, alarm, main, growth, trend, silence, run: vec![], growths: vec![] }
+        Self { score, alarm, main, growth, silence, run: vec![], growths: vec![] }
     }
 
     /// At the end of a run.

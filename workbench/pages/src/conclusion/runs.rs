@@ -73,16 +73,7 @@ mod tests {
         let growth = Growth { size, slope, named: 12.0, left, run_hours: 0.5 };
         let both = [0, 1].map(|direction| Contribution { direction, deviations: 4.0, score: 1.0, since: 3 });
         let (run, growths) = if run_ends { (both.to_vec(), vec![growth; 2]) } else { (vec![], vec![]) };
-        Watched {
-            score: 1.0,
-            alarm: None,
-            main: None,
-            growth: Some((1, growth)),
-            trend: None,
-            silence: None,
-            run,
-            growths,
-        }
+        Watched { score: 1.0, alarm: None, main: None, growth: Some((1, growth)), silence: None, run, growths }
     }
 
     fn name(direction: u8) -> String {
