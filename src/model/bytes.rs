@@ -15,10 +15,7 @@ use crate::checksum::{Crc32, crc32};
 use crate::plan::{Layout, Plan};
 
 const MAGIC: [u8; 4] = *b"BWMD";
-/// The version of models with directions.
-const VERSION: u16 = 10;
-/// That of models without, which is read as well.
-const UNDIRECTED: u16 = 9;
+const VERSION: u16 = 11;
 const HEADER: usize = 16;
 /// Largest length of payload and of notes; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
@@ -28,7 +25,7 @@ pub const MAX_BYTES: usize = 1 << 20;
 /// # Errors
 /// [`ModelError::NotAModel`], [`ModelError::Version`], or [`ModelError::Truncated`] if the header asks for more bytes.
 pub fn stored_len(bytes: &[u8]) -> Result<usize, ModelError> {
-    let (_, payload, notes) = header(bytes)?;
+    let (payload, notes) = header(bytes)?;
     let length = HEADER.saturating_add(payload).saturating_add(notes).saturating_add(4);
     if length <= bytes.len() { Ok(length) } else { Err(ModelError::Truncated) }
 }
@@ -38,7 +35,7 @@ pub fn stored_len(bytes: &[u8]) -> Result<usize, ModelError> {
 /// # Errors
 /// As [`Model::from_bytes`], for what concerns the bytes as a whole.
 pub fn notes(bytes: &[u8]) -> Result<&str, ModelError> {
-    let (_, _, notes) = open(bytes)?;
+    let (_, notes) = open(bytes)?;
     core::str::from_utf8(notes).map_err(|_| ModelError::OutOfRange(Field::Notes))
 }
 
@@ -47,31 +44,31 @@ pub fn notes(bytes: &[u8]) -> Result<&str, ModelError> {
 /// # Errors
 /// As [`Model::from_bytes`], for what concerns the bytes as a whole and the layout.
 pub fn layout(bytes: &[u8]) -> Result<Layout, ModelError> {
-    let (version, payload, _) = open(bytes)?;
-    Reader(payload).layout(version == VERSION)
+    let (payload, _) = open(bytes)?;
+    Reader(payload).layout()
 }
 
-/// Version, and lengths of payload and notes.
-fn header(bytes: &[u8]) -> Result<(u16, usize, usize), ModelError> {
+/// Lengths of payload and notes.
+fn header(bytes: &[u8]) -> Result<(usize, usize), ModelError> {
     let mut header = Reader(bytes);
     if header.array::<4>().map_err(|_| ModelError::NotAModel)? != MAGIC {
         return Err(ModelError::NotAModel);
     }
-    let version = header.u16()?;
-    if version != VERSION && version != UNDIRECTED {
-        return Err(ModelError::Version { given: version, supported: VERSION });
+    let given = header.u16()?;
+    if given != VERSION {
+        return Err(ModelError::Version { given, supported: VERSION });
     }
     // Reserved: a later build may give them a meaning that this one must not ignore.
     if header.u16()? != 0 {
         return Err(ModelError::OutOfRange(Field::Flags));
     }
     let (payload, notes) = (header.u32()? as usize, header.u32()? as usize);
-    if payload > MAX_BYTES || notes > MAX_BYTES { Err(ModelError::Truncated) } else { Ok((version, payload, notes)) }
+    if payload > MAX_BYTES || notes > MAX_BYTES { Err(ModelError::Truncated) } else { Ok((payload, notes)) }
 }
 
-/// Checks the frame; returns version, payload and notes.
-fn open(bytes: &[u8]) -> Result<(u16, &[u8], &[u8]), ModelError> {
-    let (version, payload, _) = header(bytes)?;
+/// Checks the frame; returns payload and notes.
+fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), ModelError> {
+    let (payload, _) = header(bytes)?;
     if stored_len(bytes)? != bytes.len() {
         return Err(ModelError::Truncated);
     }
@@ -80,8 +77,7 @@ fn open(bytes: &[u8]) -> Result<(u16, &[u8], &[u8]), ModelError> {
         return Err(ModelError::Checksum);
     }
     let content = content.get(HEADER..).ok_or(ModelError::Truncated)?;
-    let (payload, notes) = content.split_at_checked(payload).ok_or(ModelError::Truncated)?;
-    Ok((version, payload, notes))
+    content.split_at_checked(payload).ok_or(ModelError::Truncated)
 }
 
 impl<P: Plan> Model<P> {
@@ -91,9 +87,9 @@ impl<P: Plan> Model<P> {
     /// A [`ModelError`]: not a model, another version, truncated, corrupted, for another plan, or with a value out of
     /// range.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
-        let (version, payload, _) = open(bytes)?;
+        let (payload, _) = open(bytes)?;
         let mut reader = Reader(payload);
-        let layout = reader.layout(version == VERSION)?;
+        let layout = reader.layout()?;
         layout.check().map_err(ModelError::Layout)?;
         let plan = P::of(layout).ok_or(ModelError::OtherPlan)?;
         let constants = read(&mut reader, plan)?;
@@ -123,16 +119,11 @@ impl<P: Plan> Model<P> {
         writer.bytes(notes.as_bytes())?;
         let end = writer.0.written;
         writer.0.written = 0;
-        writer.bytes(&header_of(self.version(), payload, notes.len())?)?;
+        writer.bytes(&header_of(payload, notes.len())?)?;
         writer.0.written = end;
         let check = crc32(writer.0.free.get(..end).ok_or(ModelError::BufferTooSmall)?);
         writer.bytes(&check.to_le_bytes())?;
         Ok(writer.0.written)
-    }
-
-    /// The version of its binary form.
-    fn version(&self) -> u16 {
-        if self.plan().layout().directions > 0 { VERSION } else { UNDIRECTED }
     }
 
     /// Id of the model: the checksum of its binary form without notes; `train --c` writes it into the header. Models
@@ -143,21 +134,21 @@ impl<P: Plan> Model<P> {
         let mut all = Writer(Sum { crc: Crc32::START, count: 0 });
         // Neither sum has a bound that a model could exceed: a model too long for its binary form is still summed.
         let _never = measured.layout(&self.plan().layout()).and_then(|()| write(&mut measured, self.constants()));
-        let header = header_of(self.version(), measured.0.count, 0).unwrap_or([0; HEADER]);
+        let header = header_of(measured.0.count, 0).unwrap_or([0; HEADER]);
         let written = all.bytes(&header).and_then(|()| all.layout(&self.plan().layout()));
         let _never = written.and_then(|()| write(&mut all, self.constants()));
         all.0.crc.value()
     }
 }
 
-/// The header of this version before so many bytes of payload and notes.
-fn header_of(version: u16, payload: usize, notes: usize) -> Result<[u8; HEADER], ModelError> {
+/// The header before so many bytes of payload and notes.
+fn header_of(payload: usize, notes: usize) -> Result<[u8; HEADER], ModelError> {
     if payload > MAX_BYTES || notes > MAX_BYTES {
         return Err(ModelError::BufferTooSmall);
     }
     let length = |n: usize| u32::try_from(n).map(u32::to_le_bytes).map_err(|_| ModelError::BufferTooSmall);
     let [m0, m1, m2, m3] = MAGIC;
-    let [v0, v1] = version.to_le_bytes();
+    let [v0, v1] = VERSION.to_le_bytes();
     let ([p0, p1, p2, p3], [n0, n1, n2, n3]) = (length(payload)?, length(notes)?);
     Ok([m0, m1, m2, m3, v0, v1, 0, 0, p0, p1, p2, p3, n0, n1, n2, n3])
 }
@@ -168,11 +159,14 @@ mod tests {
 
     #[test]
     fn the_header_has_the_bytes_of_the_format() {
-        let bytes = [b'B', b'W', b'M', b'D', 9, 0, 0, 0, 4, 3, 2, 0, 6, 5, 1, 0];
-        assert_eq!(header_of(UNDIRECTED, 0x2_0304, 0x1_0506), Ok(bytes));
-        assert_eq!(header(&bytes), Ok((UNDIRECTED, 0x2_0304, 0x1_0506)));
-        let directed = header_of(VERSION, 7, 8).unwrap();
-        assert_eq!((directed[4], header(&directed)), (10, Ok((VERSION, 7, 8))));
+        let bytes = [b'B', b'W', b'M', b'D', 11, 0, 0, 0, 4, 3, 2, 0, 6, 5, 1, 0];
+        assert_eq!(header_of(0x2_0304, 0x1_0506), Ok(bytes));
+        assert_eq!(header(&bytes), Ok((0x2_0304, 0x1_0506)));
+        for given in [9, 10, 12] {
+            let mut other = bytes;
+            other[4] = given;
+            assert_eq!(header(&other), Err(ModelError::Version { given: given.into(), supported: 11 }));
+        }
         let mut flagged = bytes;
         flagged[6] = 1;
         assert_eq!(header(&flagged), Err(ModelError::OutOfRange(Field::Flags)));
@@ -181,10 +175,10 @@ mod tests {
     #[test]
     fn payload_and_notes_have_at_most_a_mebibyte_each() {
         let (most, more) = (MAX_BYTES, MAX_BYTES + 1);
-        assert_eq!(header(&header_of(VERSION, most, most).unwrap()), Ok((VERSION, most, most)));
+        assert_eq!(header(&header_of(most, most).unwrap()), Ok((most, most)));
         for (payload, notes) in [(more, 0), (0, more), (2 * more, 2 * more)] {
-            assert_eq!(header_of(VERSION, payload, notes), Err(ModelError::BufferTooSmall));
-            let mut bytes = header_of(VERSION, 0, 0).unwrap();
+            assert_eq!(header_of(payload, notes), Err(ModelError::BufferTooSmall));
+            let mut bytes = header_of(0, 0).unwrap();
             bytes[8..12].copy_from_slice(&(payload as u32).to_le_bytes());
             bytes[12..].copy_from_slice(&(notes as u32).to_le_bytes());
             assert_eq!(header(&bytes), Err(ModelError::Truncated), "{payload} {notes}");

@@ -73,8 +73,8 @@ impl Reader<'_> {
         Ok([signal(c0, m0), signal(c1, m1), signal(c2, m2)])
     }
 
-    /// The layout, of a version with directions or without.
-    pub(super) fn layout(&mut self, directed: bool) -> Result<Layout, ModelError> {
+    /// The layout.
+    pub(super) fn layout(&mut self) -> Result<Layout, ModelError> {
         let mut layout = Layout { channels: self.u8()?, ..Layout::EMPTY };
         if self.flag(Field::Layout)? {
             let structure = Structure { offset: self.flag(Field::Layout)?, ..Structure::from_orders(self.array()?) };
@@ -97,13 +97,7 @@ impl Reader<'_> {
         }
         layout.averaged = self.u16()?;
         [layout.features, layout.covariates, layout.coordinates, layout.rising] = self.array()?;
-        if directed {
-            layout.directions = self.u8()?;
-            if layout.directions == 0 {
-                return Err(ModelError::OutOfRange(Field::Layout));
-            }
-        }
-        layout.classes = self.u8()?;
+        [layout.directions, layout.classes] = self.array()?;
         layout.discriminant = if self.flag(Field::Layout)? { Kind::Quadratic } else { Kind::Linear };
         Ok(layout)
     }

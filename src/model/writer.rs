@@ -86,11 +86,7 @@ impl<S: Sink> Writer<S> {
         let quadratic = u8::from(layout.discriminant == Kind::Quadratic);
         self.bytes(&layout.averaged.to_le_bytes())?;
         let Layout { features, covariates, coordinates, rising, directions, classes, .. } = *layout;
-        self.bytes(&[features, covariates, coordinates, rising])?;
-        if directions > 0 {
-            self.bytes(&[directions])?;
-        }
-        self.bytes(&[classes, quadratic])
+        self.bytes(&[features, covariates, coordinates, rising, directions, classes, quadratic])
     }
 
     pub(crate) fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {

@@ -21,7 +21,7 @@ pub struct LinkCounts {
     pub bad: u32,
     /// Frames that exceed the decoder's buffer.
     pub oversize: u32,
-    /// Right frames of a later version or of an unknown kind.
+    /// Right frames of another version or of an unknown kind.
     pub unknown: u32,
     /// Frames that are missing by their sequence numbers; at a restart, of those that followed it.
     pub lost: u32,

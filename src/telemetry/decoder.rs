@@ -10,7 +10,7 @@ use super::raw::RawBlock;
 use super::samples::Block;
 use super::sink::checksum;
 use super::summary::Summary;
-use super::{HELLO, Header, RAW, REPORT, SAMPLES, VERSION, WITHOUT_CONTRIBUTIONS, split};
+use super::{HELLO, Header, RAW, REPORT, SAMPLES, VERSION, split};
 
 /// What a frame has after its header.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,13 +132,13 @@ fn read(content: &[u8]) -> Result<(Header, u32, Body<'_>), Refusal> {
     if content.is_empty() || checksum(content) != check {
         return Err(Refusal::Bad);
     }
-    if !content.first().is_some_and(|version| (WITHOUT_CONTRIBUTIONS..=VERSION).contains(version)) {
+    if content.first() != Some(&VERSION) {
         return Err(Refusal::Unknown);
     }
     let (header, rest): (Header, _) = split(content).ok_or(Refusal::Bad)?;
     let body = match header.kind {
         HELLO => Hello::read(rest).map(Body::Hello),
-        REPORT => Summary::read(rest, header.version).map(Body::Report),
+        REPORT => Summary::read(rest).map(Body::Report),
         SAMPLES => Block::read(rest).map(Body::Samples),
         RAW => RawBlock::read(rest).map(Body::Raw),
         _ => return Err(Refusal::Unknown),

@@ -38,7 +38,7 @@
 //!
 //! ```text
 //! frame     COBS(content, CRC-32 of the content), 0x00
-//! content   version u8 = 2, kind u8, stream u32, sequence u32, fields and lists of the kind
+//! content   version u8 = 3, kind u8, stream u32, sequence u32, fields and lists of the kind
 //!
 //! kind 0    hello    model_id u32, session u32, interval_s f32, block_mean u16, segment_samples u32,
 //!                    channels u8, angle u8 (0 or 1), classes u8, healthy u8 u8, features u8, orders u8;
@@ -65,8 +65,7 @@
 //! model; verdicts and reasons have the codes of `codes.rs`. Deviations, score and since are those of a
 //! [`Contribution`](crate::alarm::Contribution).
 //!
-//! Any change of this list raises the version; a decoder reads all versions up to its own, and counts frames of later
-//! ones as unknown. Version 1 lacks what is behind the scores of the orders.
+//! Any change of this list raises the version; a decoder counts frames of another version as unknown.
 //!
 //! COBS (Cheshire and Baker 1999) removes every zero byte, so that a zero byte ends a frame and a receiver finds the
 //! next frame after any error. The CRC (ISO-HDLC, that of zip) detects each error of up to three bits in a frame of up
@@ -114,10 +113,7 @@ pub use summary::Summary;
 use serde::{Deserialize, Serialize};
 
 /// Version of the format.
-pub const VERSION: u8 = 2;
-
-/// The version of which a report has no contributions.
-const WITHOUT_CONTRIBUTIONS: u8 = 1;
+pub const VERSION: u8 = 3;
 
 /// What each content starts with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use super::codes::{AlarmCode, VerdictCode};
 use super::risen::{self, Contributions};
 use super::samples::Numbers;
 use super::sink::{Sink, TooSmall};
-use super::{WITHOUT_CONTRIBUTIONS, split};
+use super::split;
 use crate::alarm::Contribution;
 use crate::alarm::evidence::{Alarm, Evidence};
 use crate::model::Model;
@@ -124,18 +124,15 @@ pub(super) fn write<P: Plan>(
 }
 
 impl<'a> Summary<'a> {
-    /// From fields and lists of this version; `None` if they do not fit.
-    pub(super) fn read(bytes: &'a [u8], version: u8) -> Option<Self> {
+    /// From fields and lists; `None` if they do not fit.
+    pub(super) fn read(bytes: &'a [u8]) -> Option<Self> {
         let (fields, bytes): (Fields, _) = split(bytes)?;
         let Fields { rejected, saturated, downweighted, resting, stuck, refused, .. } = fields;
         let list = |bytes: &'a [u8], count: u8| bytes.split_at_checked(4 * usize::from(count));
         let (posteriors, bytes) = list(bytes, fields.classes)?;
         let (features, bytes) = list(bytes, fields.features)?;
         let (order_scores, bytes) = list(bytes, fields.orders)?;
-        let (risen, contributions) = match version {
-            WITHOUT_CONTRIBUTIONS => bytes.is_empty().then(Default::default)?,
-            _ => risen::read(bytes)?,
-        };
+        let (risen, contributions) = risen::read(bytes)?;
         Some(Self {
             segment: fields.segment,
             verdict: fields.verdict.verdict()?,

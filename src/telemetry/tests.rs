@@ -183,12 +183,6 @@ fn a_report_that_goes_on_behind_its_lists_is_none() {
     let mut plain = [0; 300];
     let length = cobs::decode(&content[..end], &mut plain).unwrap();
     let fields = &plain[..length - 4];
-    let (first, second) = (WITHOUT_CONTRIBUTIONS, VERSION);
-    let read = |bytes| Summary::read(bytes, second).is_some();
+    let read = |bytes| Summary::read(bytes).is_some();
     assert!(read(fields) && !read(&plain[..length - 3]) && !read(&fields[..fields.len() - 1]));
-    // A report of version 1 lacks two numbers of a model without directions.
-    let before = &fields[..fields.len() - 2];
-    assert_eq!(Summary::read(before, first), Summary::read(fields, second));
-    assert_eq!([before, fields].map(|bytes| Summary::read(bytes, first).is_some()), [true, false]);
-    assert!(!read(before));
 }

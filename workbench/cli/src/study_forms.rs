@@ -180,7 +180,7 @@ pub(super) const LISTEN: Form = Form {
         ("frames", "integer", "end: frames that came; can: data frames"),
         ("bad", "integer", "end: damaged frames; can: frames that are no pieces"),
         ("oversize", "integer", "end: frames that are too long"),
-        ("unknown", "integer", "end: frames of a later format version"),
+        ("unknown", "integer", "end: frames of another format version"),
         ("lost", "integer", "end, can: frames that are missing by their numbers"),
         ("repeated", "integer", "end, can: frames that came again"),
         ("files", "integer?", "end: files that were written"),

@@ -119,7 +119,7 @@ pub(super) fn trace_value(Written { file, first, samples }: &Written) -> Value {
 pub(super) fn end_line(counts: LinkCounts, kept: Option<[u64; 3]>, unnamed: u64) -> String {
     let LinkCounts { frames, bad, oversize, unknown, lost, repeated } = counts;
     let mut line = format!("{frames} frames, {bad} bad, {lost} lost, {repeated} repeated");
-    let further = [(oversize, "too long"), (unknown, "of a later format version")];
+    let further = [(oversize, "too long"), (unknown, "of another format version")];
     for (count, what) in further.into_iter().filter(|(count, _)| *count > 0) {
         line.push_str(&format!(", {count} {what}"));
     }
@@ -153,7 +153,7 @@ pub(super) fn end_value(counts: LinkCounts, kept: Option<[u64; 3]>, unnamed: u64
 /// Why no frame came.
 pub(super) fn nothing(LinkCounts { bad, oversize, unknown, .. }: LinkCounts) -> String {
     match (bad, oversize, unknown) {
-        (_, _, 1..) => format!("{unknown} frames of a later format version; use the workbench of that version"),
+        (_, _, 1..) => format!("{unknown} frames of another format version; use the workbench of that version"),
         (0, 0, 0) => "no frame came; check the line, and that the drive sends".into(),
         _ => format!("no frame among {} damaged ones; check --baud and the source", bad.saturating_add(oversize)),
     }

@@ -236,14 +236,14 @@ fn bad_models_are_refused() {
     corrupt[40] ^= 1;
     write("corrupt.bwm", &corrupt);
     let mut newer = good.clone();
-    newer[4] = 11;
+    newer[4] = 12;
     write("newer.bwm", &newer);
     write("text.bwm", b"trace,class_name\n");
     write("other.csv", b"trace,class_name\nt0,worn\n");
     let evaluate = |model: &str| format!("evaluate --model {model} --labels labels.csv --out v.csv");
     refuse(dir, &evaluate("short.bwm"), &["short.bwm", "truncated", "train it again"]);
     refuse(dir, &evaluate("corrupt.bwm"), &["corrupt.bwm", "corrupted"]);
-    refuse(dir, &evaluate("newer.bwm"), &["newer.bwm", "version 11", "reads version 10", "train the model again"]);
+    refuse(dir, &evaluate("newer.bwm"), &["newer.bwm", "version 12", "reads version 11", "train the model again"]);
     refuse(dir, &evaluate("text.bwm"), &["text.bwm", "not a bearing-watch model"]);
     refuse(dir, &evaluate("absent.bwm"), &["absent.bwm"]);
     let other = "evaluate --model m.bwm --labels other.csv --out v.csv";
