@@ -37,10 +37,9 @@
 //! decide         ▼ features ─► covariates ─► projection ─► discriminant, gates ◄───────────┘
 //!             Decision ─► Verdict
 //! alarm       Evidence ─► Alarm
-//!             HealthyClass: learned on the drive, on request
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    Detector, of the interrupt: samples ─► Segment;   Monitor, of the main loop: Segment ─► Report, Alarm
-//!             alarm as bytes;   Commissioning: reports of the healthy drive ─► its own Model, on request
+//!             alarm as bytes
 //! watch       front end, detector and monitor as one static, for interrupts and main loop, on request
 //! storage     records in flash that survive power-off
 //! telemetry   reports and samples as frames for a serial line, and their decoder; reports as frames for CAN
@@ -109,7 +108,7 @@ mod watch_static;
 
 pub use alarm::evidence::{Alarm, Cause, Evidence};
 pub use decide::Decision;
-pub use detector::{Commissioning, Conclusion, Detector, Exchange, Monitor, Segment};
+pub use detector::{Conclusion, Detector, Exchange, Monitor, Segment};
 pub use known_answers::{arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Part, Reason};

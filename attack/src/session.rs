@@ -2,9 +2,8 @@
 
 use bearing_watch::drive::RotorFrame;
 use bearing_watch::internals::{Solver, conclude};
-use bearing_watch::model::CommissioningConstants;
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{Angle, Commissioning, Detector, Evidence, Model, Report, Segment, Verdict};
+use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Verdict};
 
 use crate::input::Input;
 use crate::models::numbers::Numbers;
@@ -22,7 +21,6 @@ struct Session<'m, P: Plan> {
     model: &'m Model<P>,
     detector: Detector<'m, P>,
     evidence: Evidence<P>,
-    commissioning: Option<Commissioning<'m, P>>,
     /// Of ordinary samples.
     numbers: Numbers,
     angle: Angle,
@@ -36,7 +34,6 @@ pub fn run<P: Plan>(model: &Model<P>, input: &mut Input<'_>) {
         model,
         detector: Detector::new(model),
         evidence: Evidence::new(model),
-        commissioning: Commissioning::new(model, CommissioningConstants::new(2, 3.0)).ok(),
         numbers: Numbers(u32::from(input.byte())),
         angle: Angle::ZERO,
         left: ORDINARY,
@@ -151,15 +148,6 @@ impl<P: Plan> Session<'_, P> {
         }
         self.evidence.observe(report.decision.as_ref());
         finite::evidence(&self.evidence);
-        if let Some(commissioning) = &mut self.commissioning {
-            let _refused = commissioning.take(report);
-            if let Ok(learned) = commissioning.model() {
-                assert!(
-                    Model::new(learned.plan(), learned.constants().clone()).is_ok(),
-                    "a commissioned model is a good one"
-                );
-            }
-        }
     }
 
     /// Saves and restores the state, also with changed bytes under a right checksum.

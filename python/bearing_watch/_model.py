@@ -15,7 +15,7 @@ import numpy.typing as npt
 from bearing_watch import _core, _html
 from bearing_watch._options import Evaluate as EvaluateOptions
 from bearing_watch._options import Train as TrainOptions
-from bearing_watch._tables import Labels, Path, Traces, drive_and_options, warn, whole
+from bearing_watch._tables import Labels, Path, Traces, drive_and_options, warn
 
 if TYPE_CHECKING:
     from bearing_watch._options import Unpack
@@ -83,18 +83,9 @@ class Model:
         """Write the model file, completely or not at all."""
         _write(path, self.to_bytes())
 
-    def to_rust(self, path: Optional[Path] = None, *, commissioning: Optional[int] = None) -> str:
-        """Return the model as constants in Rust, and write them to a file if one is given.
-
-        Parameters
-        ----------
-        path : path_like, optional
-            The file.
-        commissioning : int, optional
-            Also the constants to learn a drive's own healthy class from so many segments.
-        """
-        segments = None if commissioning is None else whole("commissioning", commissioning)
-        return _written(path, self._core.to_rust(segments))
+    def to_rust(self, path: Optional[Path] = None) -> str:
+        """Return the model as constants in Rust, and write them to a file if one is given."""
+        return _written(path, self._core.to_rust())
 
     def to_c(self, path: Optional[Path] = None) -> str:
         """Return the model as a C header, and write it to a file if one is given."""

@@ -129,7 +129,6 @@ class TrainFeatures(_Classifier, total=False):
 
     one_pass: bool
     rust: Union[str, PathLike[str]]
-    commissioning: int
     c: Union[str, PathLike[str]]
 
 

@@ -166,11 +166,8 @@ impl Model {
     }
 
     /// The model as Rust source.
-    fn to_rust(&self, commissioning: Option<u32>) -> PyResult<String> {
-        if commissioning.is_some_and(|segments| !(2..=10_000).contains(&segments)) {
-            return Err(refused("commissioning is 2 to 10000 segments"));
-        }
-        self.done()?.training.rust_source(commissioning).map_err(raised)
+    fn to_rust(&self) -> PyResult<String> {
+        self.done()?.training.rust_source().map_err(raised)
     }
 
     /// The model as a C header.

@@ -153,7 +153,7 @@ def functions(tmp_path_factory):
         "Model.load": lambda r: bw.Model.load(some(r, file)),
         "Model.report": lambda r: model.report(rank=objects.anything(r)),
         "Model.summary": lambda r: model.summary(rank=objects.anything(r)),
-        "Model.to_rust": lambda r: model.to_rust(commissioning=objects.anything(r)),
+        "Model.to_rust": lambda r: model.to_rust(some(r, None)),
         "Model.to_c": lambda r: model.to_c(some(r, None)),
         "Model.save": lambda r: model.save(objects.anything(r)),
         "Model.__eq__": lambda r: model.__eq__(objects.anything(r)),

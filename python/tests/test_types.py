@@ -57,7 +57,7 @@ OPTIONS = {
     "evaluate": (_options.Evaluate, {"per_segment"}),
     "features": (_options.Features, {"plan", "plan_traces"}),
     "features-sum": (_options.FeaturesSum, {"keep_units"}),
-    "train-features": (_options.TrainFeatures, {"one_pass", "rust", "commissioning", "c"}),
+    "train-features": (_options.TrainFeatures, {"one_pass", "rust", "c"}),
 }
 
 

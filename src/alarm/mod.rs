@@ -3,22 +3,19 @@
 //! Enters: a decision, or the reason why there is none, once a segment. Leaves: alarm, growth and silence.
 //!
 //! ```text
-//! evidence        decisions of segments, runs ─► Alarm          silence          segments without a verdict
-//! growth          size of a defect, and time left               commissioning    learns the healthy class on the drive
+//! evidence        decisions of segments, runs ─► Alarm          silence    segments without a verdict
+//! growth          size of a defect, and time left
 //! ```
 
-pub(crate) mod commissioning;
 pub(crate) mod evidence;
 mod growth;
 mod runs;
 mod silence;
 mod state_error;
 
-pub use commissioning::CommissioningError;
 pub use growth::{Growth, Interval};
 pub use runs::Contribution;
 pub use silence::{Silence, SilenceLimits};
 pub use state_error::StateError;
 
-pub(crate) use commissioning::{CommissioningConstants, HealthyClass};
 pub(crate) use evidence::{Evidence, EvidenceConstants};

@@ -68,25 +68,8 @@ impl<P: Plan> Classification<P> {
         outcome.err().map(Err)
     }
 
-    /// Does all steps.
-    ///
-    /// # Errors
-    /// As the result of [`Classification::step`].
-    pub(crate) fn run(
-        &mut self,
-        plan: P,
-        classifier: &Classifier<P>,
-        estimates: Estimates<'_, P>,
-        decision: &mut Decision<P>,
-    ) -> Result<(), Reason> {
-        self.project(plan, classifier, estimates, decision)?;
-        self.compare(plan, classifier, decision)?;
-        self.depart(classifier, decision);
-        Ok(())
-    }
-
     /// The coordinates and the variances of their errors, once they are there.
-    pub(crate) fn coordinates(&self) -> (&[f32], &[f32]) {
+    fn coordinates(&self) -> (&[f32], &[f32]) {
         (self.coordinates.cells(), self.variances.cells())
     }
 

@@ -10,7 +10,6 @@
 //! makes the report in the main loop, and [`Detector::adopt`] returns it. Programs without interrupts call
 //! [`Detector::step`], which does all of it.
 
-mod commissioning;
 mod evidence;
 mod monitor;
 mod saved;
@@ -19,7 +18,6 @@ mod sequence;
 mod solver;
 mod verdict;
 
-pub use commissioning::Commissioning;
 pub use monitor::{Conclusion, Monitor};
 pub use segment::Segment;
 #[cfg(any(test, feature = "internals"))]

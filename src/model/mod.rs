@@ -16,7 +16,7 @@ mod sampling;
 mod validate;
 mod writer;
 
-pub use crate::alarm::{commissioning::CommissioningConstants, evidence::EvidenceConstants};
+pub use crate::alarm::evidence::EvidenceConstants;
 pub use crate::decide::{
     Background, Classifier, Covariate, Covariates, Departure, Direction, Directions, Discriminant, Estimates, Feature,
     FeatureValue, KNOTS, Law, MAX_BACKGROUND, Novelty, Projection,

@@ -228,7 +228,6 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             opaque(Evidence::observe_outcome(&mut evidence, Report::outcome(&report)));
             opaque(Evidence::end_run(&mut evidence));
             told(model, &report);
-            commission(model, &report);
             saved(model, &mut evidence);
             telemetry_calls::encode(model, &report, &evidence, |error| show(error));
             telemetry_calls::on_can(model, &report, &evidence);
@@ -249,28 +248,6 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     opaque(Evidence::deny(&mut evidence));
     Evidence::reset(opaque(&mut evidence));
     monitor_calls::run(model, &mut detector, || sample(numbers.array()));
-}
-
-/// A commissioning over one report.
-fn commission<P: Plan>(model: &Model<P>, report: &Report<P>) {
-    let constants = opaque(CommissioningConstants::new(opaque(20), opaque(3.0)));
-    let refused = |error: CommissioningError| {
-        opaque(CommissioningError::message(&error));
-        show(error);
-    };
-    let mut commissioning = match Commissioning::new(model, constants) {
-        Ok(commissioning) => opaque(commissioning),
-        Err(error) => return refused(error),
-    };
-    if let Err(error) = Commissioning::take(&mut commissioning, report) {
-        refused(error);
-    }
-    opaque((Commissioning::gathered(&commissioning), Commissioning::far(&commissioning)));
-    opaque(Commissioning::mean(&commissioning));
-    match Commissioning::model(&commissioning) {
-        Ok(model) => drop(opaque(model)),
-        Err(error) => refused(error),
-    }
 }
 
 /// The state of the alarm as bytes.

@@ -15,7 +15,7 @@
 #include "bearing_watch.h"
 
 /* Checksum of the model: another model has another one. */
-#define BW_MODEL_ID 0x0d0d1e92u
+#define BW_MODEL_ID 0xfa6fee03u
 /* Mark of the model, for `bw_init_own`. */
 #define BW_MODEL_MARK 0x9ca23215u
 /* Number of bytes. */

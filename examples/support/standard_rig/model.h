@@ -10,7 +10,7 @@
 #include "bearing_watch.h"
 
 /* Checksum of the model: another model has another one. */
-#define BW_MODEL_ID 0x44637a3cu
+#define BW_MODEL_ID 0x33337888u
 /* Mark of the model, for `bw_init_own`. */
 #define BW_MODEL_MARK 0x189f5378u
 /* Number of bytes. */

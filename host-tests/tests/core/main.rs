@@ -2,7 +2,6 @@
 
 mod ad2s1210;
 mod arithmetic;
-mod commissioning;
 mod covariates;
 mod delta_form;
 mod detector;

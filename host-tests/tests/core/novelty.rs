@@ -10,7 +10,7 @@ use model::train::novelty::baseline::exact;
 use model::train::novelty::law::DistanceLaw;
 use model::train::novelty::{Gate, gate_of, gate_of_table, spread};
 use nalgebra::{DMatrix, DVector};
-use rand::{Rng, RngExt as _, SeedableRng};
+use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rayon::prelude::*;

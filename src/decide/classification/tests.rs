@@ -38,8 +38,12 @@ fn decide(parameters: Result<[f32; 2], Reason>) -> Result<Decision<RunTime>, Rea
     estimate.delta = parameters.unwrap_or_default().to_vec();
     let mut decision = Decision::empty(plan());
     let estimates: Estimates<'_, RunTime> = (Some(&estimate), None, &[]);
-    Classification::new(plan()).run(plan(), &classifier(), estimates, &mut decision)?;
-    Ok(decision)
+    let mut classification = Classification::new(plan());
+    loop {
+        if let Some(result) = classification.step(plan(), &classifier(), estimates, &mut decision) {
+            return result.map(|()| decision);
+        }
+    }
 }
 
 #[test]

@@ -64,14 +64,6 @@ impl Scores {
     }
 }
 
-/// The surprise that the rarest of M values needs for s of (3) to be `limit`, with K rising coordinates and perhaps
-/// others.
-pub(crate) fn limit_of_one(limit: f32, rising: usize, others: bool) -> f32 {
-    let count = rising as f32 + if others { 1.0 } else { 0.0 };
-    let all = libm::log1pf(-libm::expf(-limit));
-    -ln(-libm::expm1f(all / count))
-}
-
 /// s of (3), of d² of the others and then u of each rising coordinate, which are overwritten: so many of the others are
 /// available, of so many coordinates in all.
 #[inline(never)]
@@ -153,16 +145,6 @@ mod tests {
     fn near(surprise: f32, expected: f64) {
         // Half of `RARE`.
         assert!((f64::from(surprise) - expected).abs() < 5e-4, "{surprise} for {expected}");
-    }
-
-    /// A false alarm of one in a hundred, shared by the values.
-    #[test]
-    fn the_limit_of_one_value_gives_the_rate_of_all() {
-        for (rising, others, count) in [(1, false, 1), (1, true, 2), (3, true, 4), (4, false, 4)] {
-            let one = -(1.0 - 0.99_f64.powf(1.0 / f64::from(count))).ln();
-            // Roundings of numbers near five.
-            assert!((f64::from(limit_of_one(100.0_f32.ln(), rising, others)) - one).abs() < 1e-5, "{rising} {others}");
-        }
     }
 
     /// (3) of the smallest of so many probabilities.

@@ -7,7 +7,6 @@ use model::Error;
 use rig::Condition;
 use studies::campaign::{Settings, campaign, render};
 use studies::ema;
-use studies::field::commissioned;
 use studies::field::delay;
 use studies::field::growth;
 use studies::field::sessions::{self, Fleet};
@@ -29,7 +28,6 @@ use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
   bearing-watch campaign --ema --draws 5
   bearing-watch campaign --ema --default --draws 5
   bearing-watch campaign --healthy-sets
-  bearing-watch campaign --field --commissioned --draws 5
   bearing-watch campaign --field --delay --draws 1
   bearing-watch campaign --field --growth --draws 1
 
@@ -66,14 +64,11 @@ pub(super) struct Args {
     /// False alarms of a fleet, session by session on drives that were not in training, and mean time of its alarm
     #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features"])]
     sessions: bool,
-    /// Gates learned on the drive, merged with the one of the test bench, beside the latter alone
-    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features", "sessions"])]
-    commissioned: bool,
     /// Hours between false alarms and runs until the alarm, on drives that were not in training; a draw takes minutes
-    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions", "commissioned"])]
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions"])]
     delay: bool,
     /// Time left of growing defects beside the truth, on drives that were not in training; a draw takes minutes
-    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions", "commissioned", "delay"])]
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions", "delay"])]
     growth: bool,
     /// Draw a table of the field that was printed before, for example docs/field.md, and compute nothing
     #[arg(long, value_name = "FILE", requires_all = ["field", "report"])]
@@ -82,7 +77,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
     features: Vec<String>,
     /// The detector of a user who names no features, instead of the one of the recipe; with --field or --ema
-    #[arg(long, conflicts_with_all = ["features", "bounds", "sessions", "commissioned", "quick", "healthy_sets"])]
+    #[arg(long, conflicts_with_all = ["features", "bounds", "sessions", "quick", "healthy_sets"])]
     default: bool,
     /// Gates of healthy sets that are not normal, not independent, or not healthy
     #[arg(long, conflicts_with_all = ["traces", "quick", "field", "ema", "out", "report"])]
@@ -94,7 +89,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write a page with tables and plots
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["bounds", "sessions", "commissioned"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["bounds", "sessions"])]
     report: Option<PathBuf>,
 }
 
@@ -167,9 +162,6 @@ fn run_field(args: &Args) -> Result<(), Error> {
     if args.growth {
         return run_growth(args);
     }
-    if args.commissioned {
-        return run_commissioned(args);
-    }
     let rows = field::rows::named(&args.only)?;
     field::recipe::recipe(&Condition::MIX, &args.features).catalogue().choose(&args.features)?;
     let settings = field::Settings {
@@ -217,16 +209,6 @@ fn run_sessions(args: &Args) -> Result<(), Error> {
         return output::json("campaign-sessions", sessions::to_json(&all));
     }
     output::say(sessions::text(&all, Fleet::STANDARD, args.repetitions).trim_end())
-}
-
-fn run_commissioned(args: &Args) -> Result<(), Error> {
-    let settings = commissioned::Settings::STANDARD;
-    let draws: Vec<u32> = (args.first..args.first + args.repetitions).collect();
-    let all = each("commissioned", &draws, |draw| commissioned::draw(&settings, *draw))?;
-    if args.json {
-        return output::json("campaign-commissioned", commissioned::to_json(&all));
-    }
-    output::say(commissioned::text(&all, &settings).trim_end())
 }
 
 /// The draws of each row of the studies with drives and runs.

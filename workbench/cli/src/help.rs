@@ -34,7 +34,7 @@ const RARE: &[&str] = &["save", "no_drive", "verbose"];
 
 /// The headings of options that are no settings.
 const HEADINGS: &[(&str, &[&str])] = &[
-    ("Output", &["out", "report", "json", "rust", "c", "commissioning", "rows", "rank", "format", "view"]),
+    ("Output", &["out", "report", "json", "rust", "c", "rows", "rank", "format", "view"]),
     ("Channels", &["reference", "voltage", "position", "force", "force_gain", "interval", "columns", "further"]),
     ("Alarm", &["run_a_trace"]),
     (

@@ -65,8 +65,6 @@ enum Form {
     CampaignBounds,
     /// What `campaign --field --sessions --json` prints
     CampaignSessions,
-    /// What `campaign --field --commissioned --json` prints
-    CampaignCommissioned,
     CampaignDelay,
     CampaignGrowth,
     /// What `campaign --healthy-sets --json` prints
@@ -99,7 +97,6 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Form::CampaignField => study_forms::CAMPAIGN_FIELD.schema(),
         Form::CampaignBounds => study_forms::CAMPAIGN_BOUNDS.schema(),
         Form::CampaignSessions => study_forms::CAMPAIGN_SESSIONS.schema(),
-        Form::CampaignCommissioned => study_forms::CAMPAIGN_COMMISSIONED.schema(),
         Form::CampaignDelay => study_forms::CAMPAIGN_DELAY.schema(),
         Form::CampaignGrowth => study_forms::CAMPAIGN_GROWTH.schema(),
         Form::CampaignHealthySets => study_forms::CAMPAIGN_HEALTHY_SETS.schema(),

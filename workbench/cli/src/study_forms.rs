@@ -99,15 +99,6 @@ pub(super) const CAMPAIGN_SESSIONS: Form = Form {
     optional: &[],
 };
 
-/// `campaign --field --commissioned --json`.
-pub(super) const CAMPAIGN_COMMISSIONED: Form = Form {
-    name: "campaign-commissioned",
-    about: "Gates learned on the drive beside the one of the test bench",
-    list: false,
-    keys: &[ROWS, ("refused", "array", "Why drives were not commissioned")],
-    optional: &[],
-};
-
 /// `campaign --field --delay --json`.
 pub(super) const CAMPAIGN_DELAY: Form = Form {
     name: "campaign-delay",

@@ -42,7 +42,6 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (settings, exports) = (args.taken.settings.clone(), &args.exports.0);
-    exports.check()?;
     let given = given(&settings, Memory::default())?;
     let session = Session::new(settings.clone(), given, args.taken.drive.clone())?;
     let files: Vec<&Path> = exports.files().chain(args.report.as_deref()).chain(args.save.as_deref()).collect();
@@ -56,11 +55,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             taken.drive = Some(text.clone());
             training = training.with_drive(text)?;
         }
-        let exported = exports.exported(
-            training.bytes.clone(),
-            |segments| training.rust_source(segments),
-            || training.c_header(),
-        )?;
+        let exported = exports.exported(training.bytes.clone(), || training.rust_source(), || training.c_header())?;
         let findings = session.found(&training, args.rank, log)?;
         let report = args.report.as_ref().map(|_| page(&training, &findings)).transpose()?;
         let report = report.map(|page| taken.on_page(page));

@@ -15,7 +15,7 @@ const WORDS: &str = "_ abstract as async await become box break const continue c
                      fn for gen if impl in let loop macro match mod move mut override priv pub ref return self Self \
                      static struct super trait true try type typeof unsafe unsized use virtual where while yield union \
                      raw safe auto macro_rules usize f32 Some None Ok Err Option Result Box Vec String Default Debug \
-                     CHANNELS LAYOUT MODEL COMMISSIONING FRONT_END FURTHER Drive Sample Place Layout Channel angle \
+                     CHANNELS LAYOUT MODEL FRONT_END FURTHER Drive Sample Place Layout Channel angle \
                      clean channel values position y u1 u2 x core std bearing_watch é ü ß 速度 __ ___ 1 2nd a.b a,b \
                      alignas alignof and asm bitand bool case catch char class compl concept const_cast constexpr \
                      decltype default delete double explicit export float friend goto inline int long mutable \

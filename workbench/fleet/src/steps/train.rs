@@ -61,7 +61,6 @@ pub fn train_features(
     log: &Log<'_>,
 ) -> Result<TrainedOnParts, Error> {
     let start = Instant::now();
-    exports.check()?;
     outputs::plan(&exports.files().collect::<Vec<_>>(), &options.parts)?;
     let inputs = Inputs::open(&options.parts)?;
     let plan = inputs.plan()?.clone();
@@ -80,7 +79,7 @@ pub fn train_features(
     let notes = Notes::new(&channels, host, &trained, (vec![], &[]), drive);
     let exported = exports.exported(
         trained.to_bytes(&notes.to_text())?,
-        |segments| rust_source(&trained, (&description, &channels), segments),
+        || rust_source(&trained, &description, &channels),
         || c_header(&trained.to_core()?, (&description, &trained.feature_names), Some(&channels)),
     )?;
     outputs::write_all(&exports.contents(&exported))?;

@@ -10,7 +10,7 @@ const LONGEST: usize = 32;
 const RUST: &str = "_ abstract as async await become box break const continue crate do dyn else enum extern false final \
                     fn for gen if impl in let loop macro match mod move mut override priv pub ref return self Self \
                     static struct super trait true try type typeof union unsafe unsized use virtual where while yield \
-                    Some None Ok Err CHANNELS LAYOUT MODEL COMMISSIONING FRONT_END FURTHER Drive Sample Place angle \
+                    Some None Ok Err CHANNELS LAYOUT MODEL FRONT_END FURTHER Drive Sample Place angle \
                     clean channel values position";
 
 /// Words of C and C++ that are none of Rust.

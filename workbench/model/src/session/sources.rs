@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::trace::Channels;
-use crate::train::commissioning_source::commissioning_source;
 use crate::train::front_end_source::front_end_source;
 use crate::train::{Trained, VelocitySource, export};
 
@@ -13,25 +12,17 @@ const WATCH: &str = "bearing_watch::watch_static! {
 }
 ";
 
-/// A model as Rust source, with the front end that its recordings pass and the constants of a commissioning with so
-/// many segments.
+/// A model as Rust source, with the front end that its recordings pass.
 ///
 /// # Errors
-/// A model that the core does not accept, or one that cannot be commissioned.
-pub fn rust_source(
-    trained: &Trained,
-    (description, channels): (&[String], &Channels),
-    commissioning: Option<u32>,
-) -> Result<String, Error> {
+/// A model that the core does not accept.
+pub fn rust_source(trained: &Trained, description: &[String], channels: &Channels) -> Result<String, Error> {
     let mut source = export::rust_source(trained, description)?;
     source += "\n";
     source += &match &channels.front_end {
         Some(front_end) => front_end_source(&trained.to_core()?, channels, front_end)?,
         None => WATCH.into(),
     };
-    if let Some(segments) = commissioning {
-        source = format!("{source}\n{}", commissioning_source(trained, segments)?);
-    }
     Ok(source)
 }
 

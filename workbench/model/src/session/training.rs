@@ -58,13 +58,12 @@ impl Training {
         evaluate::run(&self.trained.embed()?, &prepare(&self.training, self.host)?, || {})
     }
 
-    /// The model as Rust source, with the front end that its recordings passed and the constants of a commissioning
-    /// with so many segments.
+    /// The model as Rust source, with the front end that its recordings passed.
     ///
     /// # Errors
-    /// A model that the core does not accept, or one that cannot be commissioned.
-    pub fn rust_source(&self, commissioning: Option<u32>) -> Result<String, Error> {
-        rust_source(&self.trained, (&self.description, &self.channels), commissioning)
+    /// A model that the core does not accept.
+    pub fn rust_source(&self) -> Result<String, Error> {
+        rust_source(&self.trained, &self.description, &self.channels)
     }
 
     /// The model as a C header.

@@ -12,7 +12,6 @@ mod bench;
 pub mod c_header;
 mod c_text;
 mod cell;
-pub mod commissioning_source;
 mod compose;
 mod contamination;
 mod core_features;

@@ -16,14 +16,12 @@
 //! | [`settings`] | draws, and records of each |
 //! | [`run`] | one draw of one row |
 //! | [`tally`] | counts, and rates with intervals |
-//! | [`commissioned`] | gates learned on the drive beside the gate of the test bench |
 //! | [`delay`] | hours between false alarms and runs until the alarm |
 //! | [`growth`] | size of a growing defect and the time left, beside the truth |
 //! | [`sessions`] | false alarms of a fleet, drive by drive and day by day |
 //! | [`render`] | the table as text, rows and JSON |
 
 pub mod bounds;
-pub mod commissioned;
 pub mod default;
 pub mod delay;
 pub mod growth;

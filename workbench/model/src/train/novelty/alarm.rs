@@ -13,8 +13,6 @@ use bearing_watch::model::EvidenceConstants;
 
 use super::baseline::{Means, Size};
 use super::gate::Gate;
-use super::knots::knots;
-use super::law::DistanceLaw;
 use crate::Error;
 use crate::train::directions::Directions;
 
@@ -98,24 +96,6 @@ fn enough(segments: f64, segments_a_run: u32) -> Result<(), Error> {
     )))
 }
 
-/// Returns the constants for a baseline of so many segments of one drive in place of the trained one, for a gate with
-/// this limit; `None` if they say too little.
-pub(super) fn commissioned(
-    trained: EvidenceConstants,
-    coordinates: usize,
-    segments: usize,
-    limit: f64,
-) -> Option<EvidenceConstants> {
-    if segments < coordinates + 3 {
-        return None;
-    }
-    let knots = knots(&DistanceLaw::gaussian(coordinates, segments), limit);
-    let means = Means::draw(&Size::independent(coordinates, segments), &knots, f64::from(trained.bet));
-    let half = 0.5 * (f64::from(trained.limit) - f64::from(trained.segments_a_run).ln());
-    let (cap, log_mean) = solve(&means, half)?;
-    Some(EvidenceConstants { cap: cap as f32, log_mean: log_mean as f32, ..trained })
-}
-
 /// Solves (2) for the cap and ln μ₀.
 fn solve(means: &Means, half: f64) -> Option<(f64, f64)> {
     let mut cap = half;
@@ -153,6 +133,8 @@ fn refusal(means: &Means, gate: &Gate, scores: usize, segments: f64, segments_a_
 
 #[cfg(test)]
 mod tests {
+    use super::super::knots::knots;
+    use super::super::law::DistanceLaw;
     use super::*;
 
     fn means(coordinates: usize, rows: usize) -> Means {

@@ -18,7 +18,6 @@
 pub mod alarm;
 mod alarms;
 pub mod baseline;
-mod commissioning;
 mod excess;
 mod gate;
 mod held_out_runs;
