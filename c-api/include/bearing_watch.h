@@ -642,7 +642,7 @@ typedef struct BwAlarm {
   BwReason silent_reason;
   // Whether the alarm names what has risen above what is usual for this drive.
   bool risen;
-  // The coordinate that has risen; without a projection it is the feature at this place.
+  // The coordinate that has risen, a place in `BW_MODEL_COORDINATE_NAMES`.
   uint8_t coordinate;
   // By how many standard deviations of runs.
   float deviations;
@@ -652,7 +652,7 @@ typedef struct BwAlarm {
 
 // What a direction contributes to the alarm.
 typedef struct BwContribution {
-  // The coordinate that a defect raises; without a projection it is the feature at this place.
+  // The coordinate that a defect raises, a place in `BW_MODEL_COORDINATE_NAMES`.
   uint8_t coordinate;
   // The mean of the last run less the usual mean of this drive, standard deviations of runs.
   float deviations;

@@ -39,7 +39,7 @@ pub struct BwAlarm {
     pub silent_reason: BwReason,
     /// Whether the alarm names what has risen above what is usual for this drive.
     pub risen: bool,
-    /// The coordinate that has risen; without a projection it is the feature at this place.
+    /// The coordinate that has risen, a place in `BW_MODEL_COORDINATE_NAMES`.
     pub coordinate: u8,
     /// By how many standard deviations of runs.
     pub deviations: f32,

@@ -14,7 +14,7 @@ use crate::state::BwState;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BwContribution {
-    /// The coordinate that a defect raises; without a projection it is the feature at this place.
+    /// The coordinate that a defect raises, a place in `BW_MODEL_COORDINATE_NAMES`.
     pub coordinate: u8,
     /// The mean of the last run less the usual mean of this drive, standard deviations of runs.
     pub deviations: f32,

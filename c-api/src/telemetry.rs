@@ -8,7 +8,9 @@ use bearing_watch::telemetry::{Encoder, RawEncoder, Source, TooSmall};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{Object, Tag, at, check, elements_mut, put, put_object, room};
-use crate::plan::{BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_DIRECTIONS, BW_MAX_FEATURES, BW_MAX_ORDERS, Own};
+use crate::plan::{
+    BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COORDINATES, BW_MAX_DIRECTIONS, BW_MAX_FEATURES, BW_MAX_ORDERS, Own,
+};
 use crate::recorder::{BW_BLOCK_BYTES, BwRawRecorder, BwRecorder};
 use crate::state::{BwState, Lock};
 
@@ -24,7 +26,8 @@ const _: () = {
     const CHANNEL: usize = 32 + 8 + 2;
     const LABEL: usize = size_of::<Label>() + 1;
     // Header and fields, and the lists after them.
-    let hello = 10 + 25 + 2 * BW_MAX_FEATURES + 4 * BW_MAX_ORDERS + CHANNEL * BW_MAX_CHANNELS + LABEL * BW_MAX_CLASSES;
+    let of_model = 2 * BW_MAX_FEATURES + BW_MAX_COORDINATES + 4 * BW_MAX_ORDERS;
+    let hello = 10 + 26 + of_model + CHANNEL * BW_MAX_CHANNELS + LABEL * BW_MAX_CLASSES;
     let lists = 4 * (BW_MAX_CLASSES + BW_MAX_FEATURES + BW_MAX_ORDERS) + 13 * BW_MAX_DIRECTIONS;
     let report = 10 + 66 + 15 + lists;
     let raw = 10 + 10 + BW_BLOCK_BYTES;

@@ -96,8 +96,8 @@ pub enum Cause {
     Class(u8),
     /// Not healthy, and similar to no trained defect.
     Unknown,
-    /// The coordinate, by its place, whose runs have risen most above those of this drive. Without a projection it is
-    /// the feature at this place.
+    /// The coordinate, by its place, whose runs have risen most above those of this drive. Coordinates are not in the
+    /// order of the features: the exported model and the hello of [`telemetry`](crate::telemetry) say what each is.
     Coordinate(u8),
 }
 

@@ -48,6 +48,17 @@ impl<P: Plan> Projection<P> {
         weighted_sum(row, features, self.mean.cells())
     }
 
+    /// The feature that alone has a weight in coordinate `k`, above 0; `None` if the coordinate is another combination.
+    pub(crate) fn feature(&self, k: usize) -> Option<u8> {
+        let features = self.mean.cells().len();
+        let row = self.matrix.cells().get(k.wrapping_mul(features)..).unwrap_or(&[]);
+        let mut used = pairs(row, 0..u8::MAX).take(features).filter(|(weight, _)| **weight != 0.0);
+        match (used.next(), used.next()) {
+            (Some((weight, place)), None) if *weight > 0.0 => Some(place),
+            _ => None,
+        }
+    }
+
     /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
     #[cfg(feature = "nalgebra")]
     #[must_use]
@@ -79,6 +90,16 @@ mod tests {
     use super::*;
     use crate::plan::RunTime;
     use std::vec;
+
+    #[test]
+    fn a_coordinate_of_one_feature_is_that_feature() {
+        let projection = Projection::<RunTime> {
+            matrix: vec![0.0, 0.0, 2.0, 0.5, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0],
+            mean: vec![0.0; 3],
+            usual: vec![0.0; 3],
+        };
+        assert_eq!([0, 1, 2, 3, 4, 5].map(|k| projection.feature(k)), [Some(2), Some(0), None, None, None, None]);
+    }
 
     #[test]
     fn two_coordinates_by_hand() {

@@ -24,8 +24,12 @@ struct Fields {
     classes: u8,
     healthy: Option<u8>,
     features: u8,
+    coordinates: u8,
     orders: u8,
 }
+
+/// In the place of a feature: the coordinate is a combination.
+const COMBINATION: u8 = u8::MAX;
 
 /// Where frames come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +65,7 @@ pub struct Hello<'a> {
     /// The bearing orders, pulses a turn.
     pub orders: Numbers<'a>,
     features: &'a [u8],
+    coordinates: &'a [u8],
     texts: &'a [u8],
 }
 
@@ -79,12 +84,17 @@ pub(super) fn write<P: Plan>(model: &Model<P>, source: Source, sink: &mut Sink<'
         classes: layout.classes,
         healthy: constants.classifier.novelty.class,
         features: layout.features,
+        coordinates: layout.coordinates,
         orders: layout.shaft.map_or(0, |shaft| shaft.orders),
     })?;
     for feature in constants.classifier.features.cells() {
         let mut code = [0; 2];
         Writer(Buffer { free: &mut code, written: 0 }).feature(*feature).map_err(|_| TooSmall)?;
         sink.bytes(&code)?;
+    }
+    for place in 0..layout.coordinates {
+        let feature = constants.classifier.projection.feature(place.into());
+        sink.bytes(&[feature.unwrap_or(COMBINATION)])?;
     }
     let shaft = constants.shaft.part();
     let orders = shaft.map_or(&[][..], |shaft| shaft.tracking.orders.cells());
@@ -101,6 +111,7 @@ impl<'a> Hello<'a> {
     pub(super) fn read(bytes: &'a [u8]) -> Option<Self> {
         let (fields, bytes): (Fields, _) = split(bytes)?;
         let (features, bytes) = bytes.split_at_checked(2 * usize::from(fields.features))?;
+        let (coordinates, bytes) = bytes.split_at_checked(fields.coordinates.into())?;
         let (orders, texts) = bytes.split_at_checked(4 * usize::from(fields.orders))?;
         let hello = Self {
             source: Source { model_id: fields.model_id, session: fields.session },
@@ -113,14 +124,16 @@ impl<'a> Hello<'a> {
             healthy: fields.healthy,
             orders: Numbers(orders),
             features,
+            coordinates,
             texts,
         };
         // Not by `count`, whose overflow check stays.
         let ends = texts.iter().fold(0_usize, |ends, byte| ends.saturating_add(usize::from(*byte == 0)));
         let wanted = 2 * usize::from(fields.channels) + usize::from(fields.classes);
         let whole = ends == wanted && texts.last().is_none_or(|byte| *byte == 0);
+        let named = coordinates.iter().all(|place| *place < fields.features || *place == COMBINATION);
         let readable =
-            whole && core::str::from_utf8(texts).is_ok() && hello.features().all(|feature| feature.is_some());
+            whole && named && core::str::from_utf8(texts).is_ok() && hello.features().all(|feature| feature.is_some());
         readable.then_some(hello)
     }
 
@@ -143,5 +156,10 @@ impl<'a> Hello<'a> {
     pub fn features(&self) -> impl Iterator<Item = Option<Feature>> + use<'a> {
         let (codes, _) = self.features.as_chunks::<2>();
         codes.iter().map(|code| Reader(code).feature().ok())
+    }
+
+    /// The feature that each coordinate is, by its place; `None` for a combination.
+    pub fn coordinates(&self) -> impl Iterator<Item = Option<u8>> + use<'a> {
+        self.coordinates.iter().map(|place| (*place != COMBINATION).then_some(*place))
     }
 }

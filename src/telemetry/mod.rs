@@ -41,9 +41,9 @@
 //! content   version u8 = 3, kind u8, stream u32, sequence u32, fields and lists of the kind
 //!
 //! kind 0    hello    model_id u32, session u32, interval_s f32, block_mean u16, segment_samples u32,
-//!                    channels u8, angle u8 (0 or 1), classes u8, healthy u8 u8, features u8, orders u8;
-//!                    of each feature [kind u8, place u8], of each order f32, of each channel name and unit,
-//!                    of each class its name
+//!                    channels u8, angle u8 (0 or 1), classes u8, healthy u8 u8, features u8, coordinates u8,
+//!                    orders u8; of each feature [kind u8, place u8], of each coordinate the place u8 of its feature,
+//!                    of each order f32, of each channel name and unit, of each class its name
 //! kind 1    report   segment u32, verdict u8, detail u8, place u8, rows u32 (of the reason),
 //!                    distance f32, distance_surprise f32, surprise f32, score f32,
 //!                    alarm u8, cause u8, segment u32 (of the alarm), undetermined u32, rows u32,
@@ -61,7 +61,7 @@
 //!
 //! Little-endian. The fields are those of postcard 1 with integers of fixed width, so that no length is stored twice.
 //! `healthy` is 1 and the place of the class, or a single 0 without one. Texts are UTF-8 and end in a zero byte. A
-//! missing feature is NaN. Kinds of features are those of [`Feature`](crate::model::Feature) in its order in the binary
+//! missing feature is NaN, and the place of the feature of a coordinate that is a combination is 255. Kinds of features are those of [`Feature`](crate::model::Feature) in its order in the binary
 //! model; verdicts and reasons have the codes of `codes.rs`. Deviations, score and since are those of a
 //! [`Contribution`](crate::alarm::Contribution).
 //!

@@ -58,8 +58,8 @@ impl Contributions<'_> {
         self.0.is_empty()
     }
 
-    /// The coordinate that a defect raises, and the contribution, of each direction in the order of the model. Without
-    /// a projection the coordinate is the feature at this place.
+    /// The coordinate that a defect raises, and the contribution, of each direction in the order of the model; the
+    /// hello says which feature a coordinate is.
     pub fn iter(&self) -> impl Iterator<Item = (u8, Contribution)> {
         let (chunks, _) = self.0.as_chunks::<BYTES>();
         pairs(chunks, 0..u8::MAX).filter_map(|(bytes, direction)| {

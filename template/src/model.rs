@@ -43,10 +43,10 @@ bearing_watch::plan! {
     }
 }
 
-/// Names of the features, in the order of the model: an alarm names one by its place.
+/// Names of the coordinates: each is the feature of this name, or a combination of features, z1 and so on.
 #[allow(dead_code)]
 #[rustfmt::skip]
-pub const FEATURES: [&str; 3] = ["drag", "viscous", "order_inner"];
+pub const COORDINATES: [&str; 3] = ["drag", "viscous", "order_inner"];
 
 /// The trained model.
 #[allow(clippy::all, clippy::pedantic)]

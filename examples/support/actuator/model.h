@@ -40,9 +40,9 @@ enum { BW_MODEL_CHANNEL_CURRENT_A = 0, BW_MODEL_CHANNEL_VELOCITY_RAD_S = 1, BW_M
 enum { BW_MODEL_CLASS_HEALTHY = 0, BW_MODEL_CLASS_SPALL = 1, BW_MODEL_CLASS_ROUGHNESS = 2 };
 #define BW_MODEL_CLASS_NAMES { "healthy", "spall", "roughness" }
 
-/* Features; the coordinate of an alarm is a place among them. */
-#define BW_MODEL_FEATURES 3u
-#define BW_MODEL_FEATURE_NAMES { "drag", "viscous", "order_inner" }
+/* Coordinates: each is the feature of this name, or a combination of features, z1 and so on. */
+#define BW_MODEL_COORDINATES 3u
+#define BW_MODEL_COORDINATE_NAMES { "drag", "viscous", "order_inner" }
 
 /* For `bw_init`. */
 static const uint8_t bw_model[BW_MODEL_LENGTH] = {

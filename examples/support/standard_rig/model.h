@@ -35,9 +35,9 @@ enum { BW_MODEL_CHANNEL_CURRENT_A = 0, BW_MODEL_CHANNEL_VELOCITY_REF_RAD_S = 1, 
 enum { BW_MODEL_CLASS_HEALTHY = 0, BW_MODEL_CLASS_SPALL = 1, BW_MODEL_CLASS_ROUGHNESS = 2 };
 #define BW_MODEL_CLASS_NAMES { "healthy", "spall", "roughness" }
 
-/* Features; the coordinate of an alarm is a place among them. */
-#define BW_MODEL_FEATURES 5u
-#define BW_MODEL_FEATURE_NAMES { "a1", "a2", "b1", "c1", "c2" }
+/* Coordinates: each is the feature of this name, or a combination of features, z1 and so on. */
+#define BW_MODEL_COORDINATES 5u
+#define BW_MODEL_COORDINATE_NAMES { "a1", "a2", "b1", "c1", "c2" }
 
 /* For `bw_init`. */
 static const uint8_t bw_model[BW_MODEL_LENGTH] = {

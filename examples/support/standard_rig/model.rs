@@ -29,10 +29,10 @@ bearing_watch::plan! {
     }
 }
 
-/// Names of the features, in the order of the model: an alarm names one by its place.
+/// Names of the coordinates: each is the feature of this name, or a combination of features, z1 and so on.
 #[allow(dead_code)]
 #[rustfmt::skip]
-pub const FEATURES: [&str; 5] = ["a1", "a2", "b1", "c1", "c2"];
+pub const COORDINATES: [&str; 5] = ["a1", "a2", "b1", "c1", "c2"];
 
 /// The trained model.
 #[allow(clippy::all, clippy::pedantic)]

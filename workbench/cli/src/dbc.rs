@@ -4,13 +4,13 @@
 
 use std::path::PathBuf;
 
-use bearing_watch::plan::Plan as _;
 use bearing_watch::telemetry::SegmentFrame;
 use bearing_watch::{Cause, FrictionTerm, Implausible, Kernel, Reason, Verdict};
 
 use super::can_id::CanId;
 use super::output;
 use model::Error;
+use model::core::coordinates::Side;
 use model::session::{ModelFile, Notes};
 
 /// What a DBC file adds to an extended identifier.
@@ -87,9 +87,10 @@ fn causes(ModelFile { model, notes: Notes { orders, .. } }: &ModelFile) -> Vec<(
     let fixed = [cause(None, "none".into()), cause(Some(Cause::Unknown), "unknown".into())];
     let classes = (0_u8..).zip(&model.classes).map(|(class, name)| cause(Some(Cause::Class(class)), name.clone()));
     // Only a model with directions names a coordinate.
-    let coordinates = if model.directions() > 0 { model.model().plan().layout().coordinates } else { 0 };
-    let risen = (0..coordinates)
-        .map(|place| cause(Some(Cause::Coordinate(place)), format!("risen: {}", model.feature_name(orders, place))));
+    let coordinates = if model.directions() > 0 { model.coordinate_names(orders) } else { vec![] };
+    let risen = (0_u8..)
+        .zip(coordinates)
+        .map(|(place, name)| cause(Some(Cause::Coordinate(place)), format!("{}: {name}", Side::Risen)));
     once(fixed.into_iter().chain(classes).chain(risen))
 }
 

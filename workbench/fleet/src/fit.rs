@@ -9,10 +9,11 @@ use super::errors::allowed;
 use super::sums::PatternSums;
 use super::{Level, Plan, Sums};
 use model::Error;
+use model::core::coordinates;
 use model::train::moments::{Cell, moments_of};
 use model::train::novelty::of_sums::HealthySums;
 use model::train::novelty::runs::RunMoments;
-use model::train::{AffineMap, ClassStatistics, LeftOut, ProjectionKind, Recipe, Shrink, projection};
+use model::train::{AffineMap, ClassStatistics, LeftOut, Recipe, Shrink, projection};
 
 /// What is independent of each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,10 +141,7 @@ impl Fit {
         let raw = ClassStatistics::of_cells(&cells, classes, &names)?;
         let projection = projection::of_statistics(&raw, &names, recipe.projection)?;
         let statistics = raw.map(&projection);
-        let coordinate_names = match recipe.projection {
-            ProjectionKind::None => names.clone(),
-            _ => (1..=projection.matrix.nrows()).map(|k| format!("z{k}")).collect(),
-        };
+        let coordinate_names = coordinates::of_map(&projection.matrix, &names);
         let levels =
             |name: &String| sums.of_class(name).map(|own| level(own, independent).map(|of| of.select(&places)));
         let healthy = recipe.alarms.healthy.and_then(|class| Some((class, levels(classes.get(class)?)?)));

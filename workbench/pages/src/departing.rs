@@ -1,4 +1,4 @@
-//! The feature by which a segment departs most from healthy.
+//! The coordinate by which a segment departs most from healthy.
 
 use bearing_watch::model::Feature;
 use bearing_watch::plan::Plan as _;
@@ -6,7 +6,7 @@ use model::core::features::Catalogue;
 use model::core::{Embedded, SegmentReport};
 use model::train::features_of;
 
-/// Name of the feature without which the segment would be least surprising; `orders` are the names of the tracked
+/// Name of the coordinate without which the segment would be least surprising; `orders` are the names of the tracked
 /// orders. `None` if the model has covariates, or if the segment lacks a feature.
 #[must_use]
 pub fn departing(model: &Embedded, orders: &[String], segment: &SegmentReport) -> Option<String> {
@@ -27,11 +27,7 @@ pub fn departing(model: &Embedded, orders: &[String], segment: &SegmentReport) -
         decision.map_or(f32::INFINITY, |decision| decision.surprise)
     };
     let place = (0..rows.len()).min_by(|one, other| without(*one).total_cmp(&without(*other)))?;
-    let mut used = rows[place].iter().zip(&classifier.features).filter(|(weight, _)| weight.abs() > 0.0);
-    match (used.next(), used.next()) {
-        (Some((_, feature)), None) => Some(catalogue.name(*feature)),
-        _ => None,
-    }
+    model.coordinate_names(orders).into_iter().nth(place)
 }
 
 /// The value of a core feature in a segment.

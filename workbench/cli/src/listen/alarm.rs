@@ -6,7 +6,7 @@ use bearing_watch::{Alarm, Cause};
 use serde_json::{Value, json};
 
 use super::names::Names;
-use model::train::directions::in_words;
+use model::core::coordinates::{Side, in_words};
 use pages::conclusion::risen::{others, sentence};
 
 /// What an alarm says, and of one by a direction when it began; `None` if none stands.
@@ -23,17 +23,18 @@ pub(super) fn risen(names: &Names, summary: &Summary<'_>) -> Option<String> {
     let (Some(Alarm { cause: Cause::Coordinate(place), .. }), Some(main)) = (summary.alarm, summary.risen) else {
         return None;
     };
-    let cause = names.feature(place);
-    let features = summary.contributions.iter().map(|(feature, one)| (names.feature(feature), one.deviations));
-    let others = others(&features.collect::<Vec<_>>(), &cause);
+    let cause = names.coordinate(place);
+    let all = summary.contributions.iter().map(|(coordinate, one)| (names.coordinate(coordinate), one.deviations));
+    let others = others(&all.collect::<Vec<_>>(), &cause);
     let since = format!("segment {}", main.since.saturating_add(1));
-    Some(sentence(&cause, &format!("{:.1}", main.deviations), &since, &others))
+    let (side, by) = (Side::of(main.deviations), format!("{:.1}", main.deviations.abs()));
+    Some(sentence((&cause, side), &by, &since, &others))
 }
 
 /// The cause of an alarm of which no more is known.
 pub(super) fn words(names: &Names, cause: Cause) -> String {
     match cause {
-        Cause::Coordinate(place) => format!("{} has risen", in_words(&names.feature(place))),
+        Cause::Coordinate(place) => format!("{} has {}", in_words(&names.coordinate(place)), Side::Risen),
         Cause::Class(_) | Cause::Unknown => name(names, cause),
     }
 }
@@ -43,7 +44,7 @@ pub(super) fn name(names: &Names, cause: Cause) -> String {
     match cause {
         Cause::Class(class) => names.class(class),
         Cause::Unknown => "unknown".into(),
-        Cause::Coordinate(place) => names.feature(place),
+        Cause::Coordinate(place) => names.coordinate(place),
     }
 }
 
@@ -60,9 +61,9 @@ pub(super) fn value(names: &Names, summary: &Summary<'_>) -> Option<Value> {
 
 /// What each direction contributes, with the keys of `replay`.
 pub(super) fn directions(names: &Names, summary: &Summary<'_>) -> Vec<Value> {
-    let value = |(feature, one): (u8, Contribution)| {
+    let value = |(coordinate, one): (u8, Contribution)| {
         json!({
-            "direction": names.feature(feature),
+            "direction": names.coordinate(coordinate),
             "deviations": one.deviations,
             "score": one.score,
             "since": (one.score > 0.0).then_some(one.since.saturating_add(1)),

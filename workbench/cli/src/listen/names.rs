@@ -4,6 +4,7 @@ use bearing_watch::model::Feature;
 use bearing_watch::plan::Plan as _;
 use bearing_watch::telemetry::{Hello, Source};
 
+use model::core::coordinates;
 use model::core::features::Catalogue;
 use model::identify::Structure;
 use model::session::ModelFile;
@@ -20,6 +21,7 @@ pub(super) struct Names {
     pub(super) classes: Vec<String>,
     pub(super) healthy: Option<u8>,
     pub(super) features: Vec<String>,
+    coordinates: Vec<String>,
     pub(super) orders: Vec<f32>,
     /// Length of a segment.
     segment_s: Option<f64>,
@@ -39,7 +41,11 @@ impl Names {
             Feature::Parameter(place) => format!("delta_{}", u16::from(place) + 1),
             other => catalogue.name(other),
         };
-        let features = hello.features().flatten().map(name).collect();
+        let features: Vec<String> = hello.features().flatten().map(name).collect();
+        let coordinate = |(place, feature): (usize, Option<u8>)| {
+            coordinates::name(place, feature.and_then(|feature| Some(features.get(usize::from(feature))?.as_str())))
+        };
+        let coordinates = hello.coordinates().enumerate().map(coordinate).collect();
         // The decimal number that single precision stands for: 0.002, not 0.0020000000949949026.
         let interval_s = hello.interval_s.to_string().parse().ok().filter(|step: &f64| *step > 0.0);
         let classes = hello.classes().map(String::from).collect();
@@ -47,7 +53,19 @@ impl Names {
         let segment_s = interval_s.map(|step| samples * step);
         let (source, with_angle, healthy) = (hello.source, hello.with_angle, hello.healthy);
         let stream = Some(stream);
-        Self { stream, source, interval_s, channels, with_angle, classes, healthy, features, orders, segment_s }
+        Self {
+            stream,
+            source,
+            interval_s,
+            channels,
+            with_angle,
+            classes,
+            healthy,
+            features,
+            coordinates,
+            orders,
+            segment_s,
+        }
     }
 
     /// Those of a drive with this model, of which no hello comes.
@@ -57,15 +75,18 @@ impl Names {
         let shaft = model.model().constants().shaft.first();
         let orders = shaft.map_or(&[][..], |shaft| &shaft.tracking.orders);
         let orders = orders.iter().map(|order| order.order()).collect();
-        Self { classes: model.classes.clone(), features: features.collect(), orders, ..Self::default() }
+        let (features, coordinates) = (features.collect(), model.coordinate_names(&notes.orders));
+        Self { classes: model.classes.clone(), features, coordinates, orders, ..Self::default() }
     }
 
-    /// With the features' names of the model, which has names of its orders, if classes, orders and number of features
-    /// are those of the drive.
+    /// With the names of features and coordinates of the model, which has names of its orders, if classes, orders and
+    /// numbers of features and coordinates are those of the drive.
     pub(super) fn named_by(self, of_model: &Self) -> Self {
-        let same = (&self.classes, &self.orders, self.features.len())
-            == (&of_model.classes, &of_model.orders, of_model.features.len());
-        if same { Self { features: of_model.features.clone(), ..self } } else { self }
+        let sizes = |own: &Self| [own.features.len(), own.coordinates.len()];
+        let same =
+            (&self.classes, &self.orders, sizes(&self)) == (&of_model.classes, &of_model.orders, sizes(of_model));
+        let Self { features, coordinates, .. } = of_model.clone();
+        if same { Self { features, coordinates, ..self } } else { self }
     }
 
     /// Length of so many segments.
@@ -78,9 +99,10 @@ impl Names {
         self.classes.get(usize::from(class)).cloned().unwrap_or_else(|| format!("class {}", u16::from(class) + 1))
     }
 
-    /// Name of a feature.
-    pub(super) fn feature(&self, place: u8) -> String {
-        self.features.get(usize::from(place)).cloned().unwrap_or_else(|| format!("feature {}", u16::from(place) + 1))
+    /// Name of a coordinate.
+    pub(super) fn coordinate(&self, place: u8) -> String {
+        let place = usize::from(place);
+        coordinates::name(place, self.coordinates.get(place).map(String::as_str))
     }
 
     /// Names of the channels.

@@ -157,8 +157,8 @@ fn an_alarm_by_runs_says_what_has_risen_and_is_confirmed() {
     let told = trained_by_runs(dir);
     assert!(told.contains("outer order; inner order), 16 runs of one drive × 6 records"), "{told}");
     let read = |file: &str| std::fs::read_to_string(dir.join(file)).expect("a file");
-    assert!(read("m.rs").contains("FEATURES: [&str; 5] = [\"drag\", \"inverse_kt\", \"viscous\", \"order_outer\""));
-    assert!(read("m.h").contains("#define BW_MODEL_FEATURE_NAMES { \"drag\", \"inverse_kt\""), "{}", read("m.h"));
+    assert!(read("m.rs").contains("COORDINATES: [&str; 5] = [\"drag\", \"inverse_kt\", \"viscous\", \"order_outer\""));
+    assert!(read("m.h").contains("#define BW_MODEL_COORDINATE_NAMES { \"drag\", \"inverse_kt\""), "{}", read("m.h"));
 
     let replay = "replay --model m.bwm later --labels later/labels.csv";
     let said = succeed(dir, &format!("{replay} --report r.html"));

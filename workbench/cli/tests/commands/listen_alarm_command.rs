@@ -99,7 +99,7 @@ fn the_line_of_an_alarm_over_can_names_what_has_risen_too() {
     std::fs::write(dir.join("bus.log"), &log).expect("writable");
     let text = succeed(dir, "listen bus.log --can-id 0x123");
     let [alarm] = alarms(&text)[..] else { panic!("{text}") };
-    assert!(alarm.starts_with("ALARM at segment 72, 72.500 s: feature 3 has risen. It is "), "{alarm}");
+    assert!(alarm.starts_with("ALARM at segment 72, 72.500 s: coordinate 3 has risen. It is "), "{alarm}");
     assert!(alarm.ends_with(" standard deviations of runs above what is usual for this drive."), "{alarm}");
     // The last step of the signal.
     let most = log.lines().last().expect("a frame").split_once('#').expect("data").1;

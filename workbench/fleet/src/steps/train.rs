@@ -80,7 +80,7 @@ pub fn train_features(
     let exported = exports.exported(
         trained.to_bytes(&notes.to_text())?,
         || rust_source(&trained, &description, &channels),
-        || c_header(&trained.to_core()?, (&description, &trained.feature_names), Some(&channels)),
+        || c_header(&trained.to_core()?, (&description, &notes.orders), Some(&channels)),
     )?;
     outputs::write_all(&exports.contents(&exported))?;
     log.warn(description::of_host(host, &description));

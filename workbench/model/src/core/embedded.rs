@@ -4,6 +4,7 @@ use bearing_watch::model::{Direction, EvidenceConstants, Feature, Sampling, Shaf
 use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::{Cause, Decision, Detector, Evidence, Model, ModelError, Reason, Report, Verdict};
 
+use super::coordinates;
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
 use super::watch::{self, Watched};
@@ -155,25 +156,34 @@ impl Embedded {
     /// Names of the features, by those of the tracked orders.
     #[must_use]
     pub fn catalogue(&self, orders: &[String]) -> Catalogue {
-        let structure = self.structure().unwrap_or_else(|| Structure::new(0, 0, 0, 0, 0));
-        let mask = self.model.plan().layout().averaged;
-        let named = self.channel_names().into_iter().map(String::from).zip(0_u8..);
-        let averaged = named.filter(|(_, place)| (mask >> place) & 1 == 1).collect();
-        Catalogue { structure, orders: Some(orders.to_vec()), averaged }
+        Catalogue::of_model(&self.model, orders)
     }
 
-    /// Name of the feature at a place of the model, which is a coordinate if there is no projection.
+    /// Names of the coordinates, by those of the tracked orders ([`coordinates`]).
+    #[must_use]
+    pub fn coordinate_names(&self, orders: &[String]) -> Vec<String> {
+        coordinates::of_model(&self.model, orders)
+    }
+
+    /// Name of a coordinate.
+    #[must_use]
+    pub fn coordinate_name(&self, orders: &[String], place: u8) -> String {
+        let (names, place) = (self.coordinate_names(orders), usize::from(place));
+        coordinates::name(place, names.get(place).map(String::as_str))
+    }
+
+    /// Name of the feature at a place in the core's order.
     #[must_use]
     pub fn feature_name(&self, orders: &[String], place: u8) -> String {
         let feature = self.model.constants().classifier.features.get(usize::from(place));
         feature.map_or_else(|| "unknown".into(), |feature| self.catalogue(orders).name(*feature))
     }
 
-    /// The feature that a direction of the alarm watches.
+    /// Name of the coordinate that a direction of the alarm watches.
     #[must_use]
-    pub fn direction_feature(&self, orders: &[String], direction: u8) -> String {
+    pub fn direction_coordinate(&self, orders: &[String], direction: u8) -> String {
         let watched = self.watched().get(usize::from(direction));
-        watched.map_or_else(|| "unknown".into(), |direction| self.feature_name(orders, direction.coordinate))
+        watched.map_or_else(|| "unknown".into(), |direction| self.coordinate_name(orders, direction.coordinate))
     }
 
     fn watched(&self) -> &[Direction] {
@@ -201,14 +211,14 @@ impl Embedded {
         (weights > 0.0).then(|| sum / weights)
     }
 
-    /// The same with the features that are subtracted from it.
+    /// The same with the coordinates that are subtracted from it.
     #[must_use]
     pub fn direction_name(&self, orders: &[String], direction: u8) -> String {
         let watched = self.watched().get(usize::from(direction));
         let terms = watched.map_or(&[][..], |direction| &direction.background);
         let subtracted = terms.iter().filter(|term| term.weight != 0.0);
-        let background: Vec<String> = subtracted.map(|term| self.feature_name(orders, term.coordinate)).collect();
-        let name = self.direction_feature(orders, direction);
+        let background: Vec<String> = subtracted.map(|term| self.coordinate_name(orders, term.coordinate)).collect();
+        let name = self.direction_coordinate(orders, direction);
         if background.is_empty() { name } else { format!("{name} given {}", background.join(", ")) }
     }
 
@@ -237,13 +247,13 @@ impl Embedded {
         self.model.constants().evidence
     }
 
-    /// The class or feature that the alarm names; `unknown` if it names none. `orders` are the names of the orders.
+    /// The class or coordinate that the alarm names; `unknown` if it names none. `orders` are the names of the orders.
     #[must_use]
     pub fn cause(&self, watched: &Watched, orders: &[String]) -> Option<String> {
         watched.alarm.map(|alarm| match alarm.cause {
             Cause::Class(class) => self.classes.get(usize::from(class)).cloned().unwrap_or_default(),
             Cause::Unknown => "unknown".into(),
-            Cause::Coordinate(place) => self.feature_name(orders, place),
+            Cause::Coordinate(place) => self.coordinate_name(orders, place),
         })
     }
 

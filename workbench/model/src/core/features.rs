@@ -8,10 +8,10 @@
 //! the shaft follow and are the same in both: the parameters of the torque balance, their scores, their logarithms, its
 //! residual, and two numbers per order. Averages of channels come last. Parameters and logarithms have errors of known variance.
 
-use bearing_watch::FrictionTerm;
 use bearing_watch::model::{Balance, Feature, FeatureValue};
-use bearing_watch::plan::RunTime;
+use bearing_watch::plan::{Plan as _, RunTime};
 use bearing_watch::shaft::ShaftEstimate;
+use bearing_watch::{FrictionTerm, Model};
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
@@ -82,6 +82,18 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
+    /// That of a model, by the names of its tracked orders; an order without a name has its number.
+    #[must_use]
+    pub fn of_model(model: &Model<RunTime>, orders: &[String]) -> Self {
+        let layout = model.plan().layout();
+        let structure = layout.regression.map_or_else(|| Structure::new(0, 0, 0, 0, 0), |own| own.structure);
+        let number = layout.shaft.map_or(0, |shaft| usize::from(shaft.orders));
+        let order = |place: usize| orders.get(place).cloned().unwrap_or_else(|| (place + 1).to_string());
+        let named = model.constants().channels.iter().map(|channel| channel.name.as_str().to_string()).zip(0_u8..);
+        let averaged = named.filter(|(_, place)| (layout.averaged >> place) & 1 == 1).collect();
+        Self { structure, orders: Some((0..number).map(order).collect()), averaged }
+    }
+
     /// Names and core features of the shaft.
     #[must_use]
     pub fn shaft(&self) -> Vec<(String, Feature)> {
@@ -132,6 +144,18 @@ impl Catalogue {
         }
     }
 
+    /// The places of core features, as [`core_feature`](Self::core_feature) gives them.
+    #[must_use]
+    pub fn places(&self, of: &[Feature]) -> Vec<Option<usize>> {
+        let (further, n) = (self.further(), self.structure.parameters());
+        let place = |feature: &Feature| match feature {
+            Feature::Parameter(place) => Some(usize::from(*place)).filter(|place| *place < n),
+            Feature::LogVariance => Some(n),
+            _ => further.iter().position(|(_, own)| own == feature).map(|place| place + n + 1),
+        };
+        of.iter().map(place).collect()
+    }
+
     /// Whether the feature at a place only rises with a defect: score or amplitude of a bearing order.
     #[must_use]
     pub fn rises(&self, place: usize) -> bool {
@@ -141,7 +165,7 @@ impl Catalogue {
     /// Name of a core feature; of a regression's parameter, that of the raw parameter at its place.
     #[must_use]
     pub fn name(&self, feature: Feature) -> String {
-        let place = (0..self.names().len()).find(|&place| self.core_feature(place) == feature);
+        let place = self.places(&[feature]).into_iter().next().flatten();
         place.and_then(|place| self.names().get(place).cloned()).unwrap_or_else(|| format!("{feature:?}"))
     }
 

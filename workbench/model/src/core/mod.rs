@@ -5,9 +5,10 @@
 //! model: constants of any layout ─► embedded: constants, names ─► stream: detector and monitor, over traces
 //!                                                                    ├─► segment: SegmentReport (words: reasons)
 //!                                                                    └─► watch: the evidence after it
-//! features: names of the features, and the maps between raw and δ-parameters
+//! features: names of the features, and the maps between raw and δ-parameters; coordinates: those of the coordinates
 //! ```
 
+pub mod coordinates;
 mod embedded;
 pub mod features;
 pub mod identifiers;

@@ -4,6 +4,7 @@ use bearing_watch::alarm::{Contribution, Growth, Interval, Silence};
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Alarm, Decision, Evidence, Model};
 
+use super::coordinates::Side;
 use super::segment::SegmentReport;
 
 /// State of the evidence after a segment.
@@ -53,11 +54,12 @@ impl Watched {
         format!("{name}: {size} deviations above what is usual for this drive (90 % interval), {course}")
     }
 
-    /// By how much and since when what raised the alarm has risen; empty without directions.
+    /// By how much and since when what raised the alarm has risen or fallen; empty without directions.
     #[must_use]
     pub fn rise(&self) -> String {
         self.main.map_or_else(String::new, |Contribution { deviations, since, .. }| {
-            format!(", {deviations:.1} deviations above what is usual for this drive, since segment {}", since + 1)
+            let (by, place) = (deviations.abs(), Side::of(deviations).place());
+            format!(", {by:.1} deviations {place} what is usual for this drive, since segment {}", since + 1)
         })
     }
 }

@@ -74,7 +74,7 @@ impl ModelFile {
     /// # Errors
     /// A model that the header cannot hold.
     pub fn c_header(&self) -> Result<String, Error> {
-        c_header(self.model.model(), (&[], &self.notes.features), Some(self.channels()))
+        c_header(self.model.model(), (&[], &self.notes.orders), Some(self.channels()))
     }
 
     /// Reads the only trace of a source of this name as the detector takes it.

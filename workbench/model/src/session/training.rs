@@ -71,7 +71,7 @@ impl Training {
     /// # Errors
     /// A model that the core does not accept.
     pub fn c_header(&self) -> Result<String, Error> {
-        c_header(&self.trained.to_core()?, (&self.description, &self.trained.feature_names), Some(&self.channels))
+        c_header(&self.trained.to_core()?, (&self.description, &self.notes.orders), Some(&self.channels))
     }
 
     /// What is missing in the recordings of training.

@@ -8,21 +8,21 @@ use bearing_watch::plan::{Plan, RunTime};
 use super::c_text::{enumeration, line, number, texts};
 use super::drive_header::drive_header;
 use super::front_end_header::front_end_header;
+use crate::core::coordinates;
 use crate::trace::Channels;
 use crate::{Error, visible};
 
 /// Bytes of a row of the array.
 const ROW: usize = 16;
 
-/// Returns the C header of the model with these names of its features; `notes` become a comment at its head. The
-/// bytes are those of the model file without its notes, which are for the workbench. If the `recorded` channels passed
+/// Returns the C header of the model with these names of its orders; `notes` become a comment at its head. The bytes are those of the model file without its notes, which are for the workbench. If the `recorded` channels passed
 /// a front end, the header has it, too.
 ///
 /// # Errors
 /// A model that is too large for its binary form, or whose front end has no place in the C interface.
 pub fn c_header(
     model: &Model<RunTime>,
-    (notes, features): (&[String], &[String]),
+    (notes, orders): (&[String], &[String]),
     recorded: Option<&Channels>,
 ) -> Result<String, Error> {
     let front_end = recorded.and_then(|recorded| Some((recorded, recorded.front_end.as_ref()?)));
@@ -67,10 +67,11 @@ pub fn c_header(
     line(&mut out, &format!("#define BW_MODEL_CLASSES {}u", labels.len()));
     enumeration(&mut out, "BW_MODEL_CLASS_", &labels);
     line(&mut out, &format!("#define BW_MODEL_CLASS_NAMES {}", texts(&labels)));
-    out += "\n/* Features; the coordinate of an alarm is a place among them. */\n";
-    let features: Vec<&str> = features.iter().map(String::as_str).collect();
-    line(&mut out, &format!("#define BW_MODEL_FEATURES {}u", features.len()));
-    line(&mut out, &format!("#define BW_MODEL_FEATURE_NAMES {}", texts(&features)));
+    out += "\n/* Coordinates: each is the feature of this name, or a combination of features, z1 and so on. */\n";
+    let coordinates = coordinates::of_model(model, orders);
+    let coordinates: Vec<&str> = coordinates.iter().map(String::as_str).collect();
+    line(&mut out, &format!("#define BW_MODEL_COORDINATES {}u", coordinates.len()));
+    line(&mut out, &format!("#define BW_MODEL_COORDINATE_NAMES {}", texts(&coordinates)));
     out += "\n/* For `bw_init`. */\nstatic const uint8_t bw_model[BW_MODEL_LENGTH] = {\n";
     for row in bytes.chunks(ROW) {
         let row: Vec<String> = row.iter().map(|byte| format!("0x{byte:02x},")).collect();
@@ -110,7 +111,7 @@ mod tests {
     fn the_bytes_are_those_of_the_model() {
         let file = std::fs::read(format!("{FOLDER}/model.bwm")).expect("the committed model");
         let model = Model::<RunTime>::from_bytes(&file).expect("a model");
-        let header = c_header(&model, (&["ends */ here".into()], &["mean".into()]), None).expect("a header");
+        let header = c_header(&model, (&["ends */ here".into()], &[]), None).expect("a header");
         let (_, array) = header.split_once("= {\n").expect("an array");
         let array = array.split_once("};").expect("the end of the array").0;
         let bytes = array.split_terminator(',').map(str::trim).filter(|byte| !byte.is_empty());
@@ -131,8 +132,7 @@ mod tests {
         let file = std::fs::read(format!("{FOLDER}/model.bwm")).expect("the committed model");
         let model = Model::<RunTime>::from_bytes(&file).expect("a model");
         let note = "Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.";
-        let features = ["a1", "a2", "b1", "c1", "c2"].map(String::from);
-        let header = c_header(&model, (&[note.into()], &features), None).expect("a header");
+        let header = c_header(&model, (&[note.into()], &[]), None).expect("a header");
         if std::env::var_os("BEARING_WATCH_WRITE_HEADER").is_some() {
             std::fs::write(format!("{FOLDER}/model.h"), &header).expect("a writable file");
         }

@@ -11,6 +11,7 @@ use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, 
 use bearing_watch::{FrictionTerm, Park};
 
 use super::Trained;
+use crate::core::coordinates;
 use crate::{Error, visible};
 
 /// Returns the Rust source of the model; `notes` become comments at its head.
@@ -34,11 +35,15 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     out.line(0, "");
     plan(&mut out, &layout, &constants.channels);
     out.line(0, "");
-    out.line(0, "/// Names of the features, in the order of the model: an alarm names one by its place.");
+    out.line(
+        0,
+        "/// Names of the coordinates: each is the feature of this name, or a combination of features, z1 and so on.",
+    );
     out.line(0, "#[allow(dead_code)]");
     out.line(0, "#[rustfmt::skip]");
-    let names: Vec<String> = trained.feature_names.iter().map(|name| format!("{name:?}")).collect();
-    out.line(0, &format!("pub const FEATURES: [&str; {}] = [{}];", names.len(), names.join(", ")));
+    let names = coordinates::of_model(&model, &trained.recipe.catalogue().orders.unwrap_or_default());
+    let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+    out.line(0, &format!("pub const COORDINATES: [&str; {}] = [{}];", names.len(), names.join(", ")));
     out.line(0, "");
     out.line(0, "/// The trained model.");
     out.line(0, "#[allow(clippy::all, clippy::pedantic)]");

@@ -7,10 +7,9 @@ use super::scores::Prediction;
 use super::shrinkage::Shrink;
 use super::shrinkage_search::{self, Choice};
 use super::table::AffineMap;
-use super::{
-    Candidates, ClassStatistics, FeatureTable, GaussianClasses, ProjectionKind, Recipe, discriminant, projection,
-};
+use super::{Candidates, ClassStatistics, FeatureTable, GaussianClasses, Recipe, discriminant, projection};
 use crate::Error;
+use crate::core::coordinates;
 
 /// The result of a fit.
 #[derive(Clone, Debug)]
@@ -55,10 +54,7 @@ pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Er
     let projection = projection::of_statistics(&raw, features, recipe.projection)?;
     let coordinates = table.map(&projection);
     let statistics = raw.mapped(&projection, &coordinates);
-    let coordinate_names = match recipe.projection {
-        ProjectionKind::None => features.clone(),
-        _ => (1..=projection.matrix.nrows()).map(|k| format!("z{k}")).collect(),
-    };
+    let coordinate_names = coordinates::of_map(&projection.matrix, features);
     let choice = match recipe.shrink {
         Shrink::Chosen => Some(shrinkage_search::search(candidates, recipe)?),
         Shrink::Not | Shrink::To(_) => None,

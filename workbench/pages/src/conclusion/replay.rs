@@ -1,12 +1,13 @@
 //! What the detector says of a drive after all its traces.
 
 use bearing_watch::alarm::Contribution;
+use model::core::coordinates::{Side, in_words};
 use model::core::{Embedded, Finding, SegmentReport, Watched};
 use model::trace::Trace;
-use model::train::directions::in_words;
 
+use super::percent;
+use super::risen::{self, Others};
 use super::runs::Runs;
-use super::{percent, risen};
 use crate::departing::departing;
 use crate::page::counted;
 
@@ -46,8 +47,8 @@ struct Raised {
     since: String,
     /// The direction that raised it, in a model that watches directions.
     main: Option<Contribution>,
-    /// What has risen too, and what is as usual, in words.
-    others: [Vec<String>; 2],
+    /// What else has risen or fallen, and what is as usual.
+    others: Others,
 }
 
 impl<'a> Conclusion<'a> {
@@ -167,23 +168,24 @@ impl<'a> Conclusion<'a> {
     /// An alarm by a direction: what has risen, by how much, since when, and what has not.
     fn risen(&self, raised: &Raised, main: &Contribution) -> String {
         let Raised { cause, at, since, others, .. } = raised;
+        let by = format!("{:.1}", main.deviations.abs());
         format!(
             "ALARM: {} The alarm was raised in {at}; the evidence {}. Inspect the bearing. If it is sound, file the \
              alarm as false: bearing-watch confirm --false.",
-            risen::sentence(cause, &format!("{:.1}", main.deviations), since, others),
+            risen::sentence((cause, Side::of(main.deviations)), &by, since, others),
             self.evidence(),
         )
     }
 
-    /// The features of all directions, with their deviations at the end of the last run.
+    /// The coordinates of all directions, with their deviations at the end of the last run.
     fn of_last_run(&self) -> Vec<(String, f32)> {
-        let feature = |one: &Contribution| (self.model.direction_feature(self.orders, one.direction), one.deviations);
-        self.runs.contributions().iter().map(feature).collect()
+        let of = |one: &Contribution| (self.model.direction_coordinate(self.orders, one.direction), one.deviations);
+        self.runs.contributions().iter().map(of).collect()
     }
 
     /// The sentences, and in a paragraph of its own the size of a defect. The command line prints the size before them.
     pub(crate) fn words_with_size(&self) -> String {
-        let size = self.runs.size(&|direction| in_words(&self.model.direction_feature(self.orders, direction)));
+        let size = self.runs.size(&|direction| in_words(&self.model.direction_coordinate(self.orders, direction)));
         format!("{}\n\n{size}", self.words())
     }
 
@@ -196,7 +198,7 @@ impl<'a> Conclusion<'a> {
     /// others if they are not as usual at the end of the last run.
     pub(crate) fn risen_since(&self, one: &Contribution) -> Option<usize> {
         let main = self.alarm.as_ref().and_then(|alarm| alarm.main).filter(|main| main.direction == one.direction);
-        let since = main.map(|main| main.since).or((one.deviations >= risen::USUAL).then_some(one.since));
+        let since = main.map(|main| main.since).or((one.deviations.abs() >= risen::USUAL).then_some(one.since));
         usize::try_from(since?).ok()
     }
 

@@ -11,7 +11,8 @@ use super::log::Counts;
 use crate::can_id::CanId;
 use crate::listen::names::Names;
 use crate::listen::{alarm, words};
-use pages::conclusion::risen::sentence;
+use model::core::coordinates::Side;
+use pages::conclusion::risen::{Others, sentence};
 
 /// The most deviations that a frame can tell ([`SegmentFrame::deviations`]).
 const MOST: f32 = 63.75;
@@ -37,7 +38,7 @@ pub(super) fn alarm_line(names: &Names, Segment { time_s, number, frame, .. }: &
         (Cause::Coordinate(_), by) => {
             // The last step also stands for more.
             let least = if by >= MOST { "at least " } else { "" };
-            sentence(&alarm_name(names, cause), &format!("{least}{by:.1}"), "", &[vec![], vec![]])
+            sentence((&alarm_name(names, cause), Side::Risen), &format!("{least}{by:.1}"), "", &Others::default())
         }
         (Cause::Class(_) | Cause::Unknown, _) => alarm_name(names, cause),
     };

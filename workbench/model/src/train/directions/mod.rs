@@ -25,10 +25,9 @@ use nalgebra::DVector;
 
 use levels::Sample;
 pub use levels::{FEWEST, Levels};
-pub use words::in_words;
 
 use super::{Candidates, FeatureTable, ProjectionKind, Recipe, Validation};
-use crate::core::features;
+use crate::core::coordinates::{is_order, quantity};
 use crate::error::Error;
 
 /// Most directions of a model.
@@ -231,18 +230,6 @@ pub(crate) fn of(set: &Set<'_>, recipe: &Recipe) -> DirectionsOrReason {
 /// Whether a defect only raises the coordinate of this name.
 fn rises(name: &str, recipe: &Recipe) -> bool {
     is_order(name) || RISING.contains(&quantity(name)) || recipe.rising.iter().any(|rising| rising == name)
-}
-
-fn is_order(name: &str) -> bool {
-    name.starts_with("order_") || name.starts_with("amplitude_")
-}
-
-/// What is told on several scales: plain, as score or as logarithm; of an order as score or amplitude.
-fn quantity(name: &str) -> &str {
-    let mut scales = ["_score", "_log"].into_iter();
-    let plain = scales.find_map(|scale| name.strip_suffix(scale).filter(|own| features::FRICTION.contains(own)));
-    let order = ["order_", "amplitude_"].into_iter().find_map(|scale| name.strip_prefix(scale));
-    plain.or(order).unwrap_or(name)
 }
 
 /// Rows of drives and runs.

@@ -1,27 +1,13 @@
 //! Directions in words.
 
-use super::{Direction, Directions, FEWEST, MOST, quantity};
-
-/// Name of a feature for a reader.
-#[must_use]
-pub fn in_words(coordinate: &str) -> String {
-    let plain = quantity(coordinate);
-    if coordinate.starts_with("order_") || coordinate.starts_with("amplitude_") {
-        return format!("{plain} order");
-    }
-    match plain {
-        "viscous" => "viscous friction".into(),
-        "coulomb" => "Coulomb friction".into(),
-        "inverse_kt" => "torque constant".into(),
-        other => other.replace('_', " "),
-    }
-}
+use super::{Direction, Directions, FEWEST, MOST};
+use crate::core::coordinates::{in_words, name};
 
 impl Direction {
     /// What it watches, by the names of the coordinates.
     #[must_use]
     pub fn words(&self, names: &[String]) -> String {
-        let of = |k: usize| names.get(k).map_or_else(|| format!("z{}", k + 1), |coordinate| in_words(coordinate));
+        let of = |k: usize| in_words(&name(k, names.get(k).map(String::as_str)));
         let background: Vec<String> = self.background.iter().map(|(k, _)| of(*k)).collect();
         match background.as_slice() {
             [] => of(self.coordinate),
