@@ -110,7 +110,7 @@
 
 // A buffer of so many bytes is enough for every frame of a library without a plan of its own, and of any plan that is
 // not larger than `BW_MAX_…`.
-#define BW_FRAME_SIZE 544
+#define BW_FRAME_SIZE 560
 
 // Bytes of the frame of `bw_can_frame`.
 #define BW_CAN_FRAME_SIZE 8

@@ -18,7 +18,7 @@ use crate::state::{BwState, Lock};
 pub const BW_TELEMETRY_SIZE: usize = 48;
 /// A buffer of so many bytes is enough for every frame of a library without a plan of its own, and of any plan that is
 /// not larger than `BW_MAX_…`.
-pub const BW_FRAME_SIZE: usize = 544;
+pub const BW_FRAME_SIZE: usize = 560;
 
 const _: () = assert!(size_of::<BwTelemetry>() <= BW_TELEMETRY_SIZE);
 const _: () = {
