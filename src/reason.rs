@@ -180,6 +180,30 @@ impl fmt::Display for Implausible {
     }
 }
 
+/// Why a segment would not have shown a defect of an acceptable size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Obstacle {
+    /// The shaft turned too little for the bearing orders.
+    TooLittleMotion,
+    /// The noise at the bearing orders is too large.
+    TooNoisy,
+}
+
+impl Obstacle {
+    /// All obstacles, in the order of their numbers in the C interface and in frames.
+    pub const ALL: [Self; 2] = [Self::TooLittleMotion, Self::TooNoisy];
+
+    /// The obstacle in words.
+    #[must_use]
+    pub const fn message(self) -> &'static str {
+        match self {
+            Self::TooLittleMotion => "the shaft turned too little for the bearing orders",
+            Self::TooNoisy => "the bearing orders are too noisy",
+        }
+    }
+}
+
 /// Why a part of a segment has no result, or a segment no verdict. A segment in which other parts have results has a
 /// verdict without the features of this part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,7 +222,7 @@ pub enum Reason {
         /// Usable rows.
         rows: u32,
     },
-    /// The inputs of the regression hardly changed: see the threshold
+    /// The shaft hardly moved, or the inputs of the regression hardly changed: see the threshold
     /// [`Regression::rest`](crate::model::Regression::rest).
     AtRest,
     /// The data do not excite this parameter of the regression: place in the δ-parameters. A signal that is constant
@@ -237,6 +261,9 @@ pub enum Reason {
     /// A fault that shows only after a window of samples was found in the first half of the next segment, and may have
     /// begun in this one ([`Detector::discard`](crate::Detector::discard)).
     FoundLate,
+    /// Healthy is the most plausible class, but the segment would not have shown an acceptable defect, for the sizes
+    /// in [`Report::smallest`](crate::Report::smallest).
+    Unseen(Obstacle),
 }
 
 impl fmt::Display for Reason {
@@ -247,7 +274,7 @@ impl fmt::Display for Reason {
             }
             Self::TooFewRows { part, rows } => write!(f, "{} has too few usable rows ({rows})", part.name()),
             Self::ShortSegment { rows } => write!(f, "less than half of the segment was usable ({rows} rows)"),
-            Self::AtRest => f.write_str("the inputs are at rest"),
+            Self::AtRest => f.write_str("the shaft or the inputs are at rest"),
             Self::ParameterNotExcited(place) => {
                 write!(f, "the signals do not excite δ-parameter {} (t, β, γ, constant)", u16::from(*place) + 1)
             }
@@ -268,6 +295,7 @@ impl fmt::Display for Reason {
             Self::Implausible(error) => f.write_str(error.message()),
             Self::Arithmetic(kernel) => write!(f, "{} where the detector runs", kernel.message()),
             Self::OtherModel => f.write_str("the segment is that of another model"),
+            Self::Unseen(obstacle) => f.write_str(obstacle.message()),
             Self::FoundLate => f.write_str("a fault that was found after the segment may have begun in it"),
         }
     }

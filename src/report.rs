@@ -25,6 +25,8 @@ pub struct Report<P: Plan> {
     pub(crate) estimate: Array<P::Regressed, Estimate<P>>,
     pub(crate) shaft: Array<P::Watched, ShaftEstimate<P>>,
     pub(crate) averages: Averages<P>,
+    /// Of each rising coordinate; the first is not used.
+    pub(crate) smallest: Array<P::Laws, f32>,
     /// The mark of the model.
     pub(crate) model: u32,
 }
@@ -42,6 +44,7 @@ impl<P: Plan> Report<P> {
             estimate: P::Regressed::part(layout.regressed() == 1, || Estimate::empty(plan)),
             shaft: P::Watched::part(layout.watched() == 1, || ShaftEstimate::empty(plan)),
             averages: crate::signal::average::empty(plan),
+            smallest: Cells::filled(layout.laws(), f32::INFINITY),
             model: UNMARKED,
         }
     }
@@ -81,6 +84,14 @@ impl<P: Plan> Report<P> {
     #[must_use]
     pub fn averages(&self) -> &[Average] {
         self.averages.cells()
+    }
+
+    /// The smallest defect in each rising coordinate of the model, the last ones, that the gate would have found in this
+    /// segment with a probability of 90 %: of friction as a part of the usual one, of a bearing order the amplitude of
+    /// its first harmonic, A. Infinite where the segment shows none. Empty if a projection mixes the features.
+    #[must_use]
+    pub fn smallest(&self) -> &[f32] {
+        self.smallest.cells().get(1..).unwrap_or_default()
     }
 
     /// What the features come from.

@@ -68,6 +68,8 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
             factor: [0.0],
             knots: [[0.0; 2]; 24],
             laws: [],
+            rises: [],
+            acceptable: f32::INFINITY,
             freedom: 1.0,
             limit: f32::INFINITY,
             directions: Directions::NONE,

@@ -15,8 +15,8 @@
 //! factors; (2) adds one exponential a class.
 
 use super::features::FeatureValue;
-use super::gates::Departure;
 use super::gates::density::Density;
+use super::gates::{Departure, Most};
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::regression::factor::{numbered, pairs};
 
@@ -66,6 +66,8 @@ pub struct Decision<P: Plan> {
     /// The same of the distance and of features that only rise with a defect together, nats; 0 without a healthy
     /// class. The novelty gate compares it.
     pub surprise: f32,
+    /// The coordinate that departs most from the healthy class; `None` without such a class.
+    pub most: Option<Most>,
 }
 
 impl<P: Plan> Decision<P> {
@@ -85,13 +87,14 @@ impl<P: Plan> Decision<P> {
             distance: 0.0,
             distance_surprise: 0.0,
             surprise: 0.0,
+            most: None,
         }
     }
 
     /// Takes distance and surprises.
     pub(crate) fn depart(&mut self, departure: Departure) {
         (self.distance, self.surprise) = (departure.distance, departure.surprise);
-        self.distance_surprise = departure.distance_surprise;
+        (self.distance_surprise, self.most) = (departure.distance_surprise, departure.most);
     }
 
     /// The value of each direction that the alarm watches, less the mean of drives.

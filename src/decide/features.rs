@@ -9,7 +9,8 @@
 //! ```
 //!
 //! p and σ are those of the rows alone, without the prior of p, which would draw the friction of a defect towards that
-//! of healthy drives ([`Balance::without_prior`]). No deviation is known of the other features, and a score is already
+//! of healthy drives ([`Balance::without_prior`]). Where the rows determine it less than its prior does, the feature is
+//! missing, and so is an order that the shaft has turned too little for. No deviation is known of the other features, and a score is already
 //! relative to its deviation: v = 0. The logarithm (1) suits a friction that varies by a factor between drives. Below
 //! its standard deviation a value does not differ from zero; it counts as σ, with v = 1. A missing feature has an
 //! infinite variance.
@@ -19,13 +20,15 @@
 
 use crate::logarithm::ln_of_level;
 use crate::plan::{Layout, Plan};
-use crate::reason::{FrictionTerm, Reason};
+use crate::reason::{FrictionTerm, Obstacle, Reason};
 use crate::regression::estimate::Estimate;
 use crate::shaft::{Balance, ShaftEstimate};
 use crate::signal::average::Average;
 
 /// Smaller amplitudes count as this value, A.
 const LEAST_AMPLITUDE: f32 = 1e-6;
+/// Part of the information on a friction that must come from the rows, and not from its prior.
+const LEAST_PART: f32 = 0.5;
 
 /// The results of a segment that features come from: regression, shaft with the constants of its balance, averages of
 /// channels.
@@ -126,6 +129,9 @@ impl Feature {
         if let Some(reason) = reason {
             return Err(reason);
         }
+        if let Some(reason) = unseen(self, shaft, balance) {
+            return Err(reason);
+        }
         let term = |term| {
             let pair = shaft.zip(balance);
             pair.map_or((0.0, 0.0), |(shaft, balance)| balance.without_prior(&shaft.friction, term))
@@ -167,6 +173,22 @@ impl Feature {
             (Self::LogFrictionVariance, Some(_)) => true,
             (Self::OrderScore(place) | Self::LogOrderAmplitude(place), Some(shaft)) => place < shaft.orders,
         }
+    }
+}
+
+/// Why a feature of the shaft says nothing of this segment, although there is an estimate.
+fn unseen<P: Plan>(feature: Feature, shaft: Option<&ShaftEstimate<P>>, balance: Option<&Balance>) -> Option<Reason> {
+    let shaft = shaft?;
+    match feature {
+        Feature::Friction(term) | Feature::FrictionScore(term) | Feature::LogFriction(term) => {
+            let known = balance?.part_of_rows(&shaft.friction, term) >= LEAST_PART;
+            (!known).then_some(Reason::TermNotExcited(term))
+        }
+        Feature::OrderScore(place) | Feature::LogOrderAmplitude(place) => {
+            let unseen = shaft.orders().get(place as usize).is_some_and(|order| order.unseen);
+            unseen.then_some(Reason::Unseen(Obstacle::TooLittleMotion))
+        }
+        _ => None,
     }
 }
 
@@ -238,13 +260,14 @@ mod tests {
 
     #[test]
     fn friction_has_a_variance_and_a_logarithm() {
-        let of = |value: f32, deviation: f32| {
+        let found = |value: f32, deviation: f32| {
             let mut shaft = ShaftEstimate::empty(plan());
             shaft.friction_reason = None;
             shaft.friction.viscous = Parameter { value, deviation, score: 0.0 };
             [Feature::Friction(FrictionTerm::Viscous), Feature::LogFriction(FrictionTerm::Viscous)]
-                .map(|feature| feature.value(plan(), (None, Some((&shaft, &balance())), &[])).unwrap())
+                .map(|feature| feature.value(plan(), (None, Some((&shaft, &balance())), &[])))
         };
+        let of = |value: f32, deviation: f32| found(value, deviation).map(Result::unwrap);
         let [plain, log] = of(4.0, 0.5);
         assert_eq!(plain, FeatureValue { value: 4.0, variance: 0.25 });
         assert_eq!(log, FeatureValue { value: libm::logf(4.0), variance: 1.0 / 64.0 });
@@ -252,17 +275,47 @@ mod tests {
             assert_eq!(of(small, 0.5)[1], FeatureValue { value: libm::logf(0.5), variance: 1.0 }, "{small}");
         }
         assert_eq!(of(-1.0, 0.0)[1], FeatureValue::exact(libm::logf(f32::MIN_POSITIVE)));
-        for deviation in [f32::NAN, f32::INFINITY, 1e30] {
-            assert!(of(4.0, deviation)[0].is_missing(), "{deviation}");
+        for deviation in [f32::NAN, f32::INFINITY] {
+            assert_eq!(found(4.0, deviation), [Err(Reason::TermNotExcited(FrictionTerm::Viscous)); 2], "{deviation}");
         }
+        assert!(of(4.0, 1e30)[0].is_missing());
         // Half of the precision is that of a prior at 3, whose deviation is that of the rows, √½.
         let mut shaft = ShaftEstimate::empty(plan());
         shaft.friction.viscous = Parameter { value: 4.0, deviation: 0.5, score: 2.0 };
         (shaft.friction.variance, shaft.friction_reason) = (1.0, None);
-        let balance = Balance { prior: [0.5_f32.sqrt(); 7], deviation: 1.0, ..balance() };
-        let viscous = Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some((&shaft, &balance)), &[]));
-        let viscous = viscous.unwrap();
-        assert!((viscous.value - 5.0).abs() < 1e-5 && (viscous.variance - 0.5).abs() < 1e-6, "{viscous:?}");
+        let viscous = |prior: f32, shaft: &ShaftEstimate<RunTime>| {
+            let balance = Balance { prior: [prior; 7], deviation: 1.0, ..balance() };
+            Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some((shaft, &balance)), &[]))
+        };
+        let half = viscous(0.708, &shaft).unwrap();
+        assert!((half.value - 5.0).abs() < 5e-3 && (half.variance - 0.5).abs() < 2e-3, "{half:?}");
+        // A little more of the prior, and the rows say less than it.
+        assert_eq!(viscous(0.706, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Viscous)));
+        // The drag at 20 rad/s of priors of 0.1: (20² + 1² + 1/26²) 0.01 = 4.01.
+        shaft.friction.drag = Parameter { value: 4.0, deviation: 1.41, score: 0.0 };
+        let drag = |deviation: f32| {
+            let balance = Balance {
+                prior: [0.1; 7],
+                deviation,
+                usual_velocity_rad_s: 20.0,
+                usual_load_nm: 0.0,
+                stribeck_velocity_rad_s: 4.0,
+                ..balance()
+            };
+            Feature::Friction(FrictionTerm::Drag).value(plan(), (None, Some((&shaft, &balance)), &[]))
+        };
+        assert!(drag(1.0).is_ok() && drag(1.02).is_err());
+    }
+
+    #[test]
+    fn an_order_that_the_shaft_has_turned_too_little_for_is_missing() {
+        let mut shaft = ShaftEstimate::empty(plan());
+        shaft.orders_reason = None;
+        shaft.orders = vec![OrderStrength { unseen: true, score: 9.0, ..OrderStrength::default() }; 2];
+        for feature in [Feature::OrderScore(1), Feature::LogOrderAmplitude(0)] {
+            let value = feature.value(plan(), (None, Some((&shaft, &balance())), &[]));
+            assert_eq!(value, Err(Reason::Unseen(Obstacle::TooLittleMotion)));
+        }
     }
 
     #[test]

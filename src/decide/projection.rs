@@ -48,15 +48,22 @@ impl<P: Plan> Projection<P> {
         weighted_sum(row, features, self.mean.cells())
     }
 
-    /// The feature that alone has a weight in coordinate `k`, above 0; `None` if the coordinate is another combination.
-    pub(crate) fn feature(&self, k: usize) -> Option<u8> {
+    /// The only feature of coordinate `k` with its weight; `None` if it contains none or several.
+    #[must_use]
+    pub fn only(&self, k: usize) -> Option<(usize, f32)> {
         let features = self.mean.cells().len();
         let row = self.matrix.cells().get(k.wrapping_mul(features)..).unwrap_or(&[]);
-        let mut used = pairs(row, 0..u8::MAX).take(features).filter(|(weight, _)| **weight != 0.0);
-        match (used.next(), used.next()) {
-            (Some((weight, place)), None) if *weight > 0.0 => Some(place),
+        let mut weights = pairs(0..features, row).filter(|(_, weight)| **weight != 0.0);
+        match (weights.next(), weights.next()) {
+            (Some((place, weight)), None) => Some((place, *weight)),
             _ => None,
         }
+    }
+
+    /// The feature that alone has a weight in coordinate `k`, above 0; `None` if the coordinate is another combination.
+    pub(crate) fn feature(&self, k: usize) -> Option<u8> {
+        let (place, weight) = self.only(k)?;
+        if weight > 0.0 { u8::try_from(place).ok() } else { None }
     }
 
     /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
@@ -117,6 +124,8 @@ mod tests {
         let [first, second] = [-0.5 + 6.0 + 2.5, -12.0 + 5.0];
         assert_eq!(with([0.0; 3]).map(|z| (z.value, z.variance)), [(first, 0.0), (second, 0.0)]);
         assert_eq!(with([1.0, 0.5, 2.0]).map(|z| z.variance), [1.0 + 4.0 * 0.25, 16.0 * 0.25]);
+        let single = Projection::<RunTime> { matrix: vec![0.0, 3.0, 0.0, 1.0, 1.0, 0.0], ..projection.clone() };
+        assert_eq!([0, 1, 2].map(|k| single.only(k)), [Some((1, 3.0)), None, None]);
         // The second coordinate does not contain the first feature.
         let [missing, present] = with([f32::INFINITY, 0.5, 0.0]);
         assert_eq!((missing, present.value, present.variance), (FeatureValue::MISSING, second, 4.0));

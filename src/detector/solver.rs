@@ -184,6 +184,8 @@ impl<P: Plan> Solve<P> {
         let Some(result) = self.classification.step(plan, &constants.classifier, estimates, decision) else {
             return false;
         };
+        let (_, variances) = self.classification.coordinates();
+        constants.classifier.smallest(estimates, variances, report.smallest.cells_mut());
         verdict::judge(model, segment, report, result);
         true
     }

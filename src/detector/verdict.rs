@@ -1,9 +1,9 @@
 //! The verdict of a solved segment.
 
 use super::segment::Segment;
-use crate::model::Model;
+use crate::model::{Feature, Model};
 use crate::plan::{Cells, Plan};
-use crate::reason::Reason;
+use crate::reason::{FrictionTerm, Obstacle, Reason};
 use crate::report::{Report, Verdict};
 
 /// Whether the signals contradict the model or each other; then that is the reason for no verdict.
@@ -30,6 +30,43 @@ pub(super) fn judge<P: Plan>(
     let short = segment.whole && report.rows < constants.sampling.segment_samples / 2;
     let result = if short { result.and(Err(Reason::ShortSegment { rows: report.rows })) } else { result };
     conclude(model, report, result);
+    let healthy = constants.classifier.novelty.class.map(Verdict::Class);
+    if Some(report.verdict) == healthy
+        && let Some(reason) = unseen(model, report)
+    {
+        (report.verdict, report.decision) = (Verdict::Undetermined(reason), None);
+    }
+}
+
+/// Why a segment that seems healthy would not have shown a defect: of the bearing orders, if the model has some, none
+/// shows an acceptable amplitude; of a model without orders, no friction is determined.
+#[inline(never)]
+fn unseen<P: Plan>(model: &Model<P>, report: &Report<P>) -> Option<Reason> {
+    let (constants, shaft) = (model.constants(), report.shaft()?);
+    let (classifier, orders) = (&constants.classifier, &constants.shaft.part()?.tracking.orders);
+    let missing = report.decision.as_ref()?.missing();
+    let of_order = |feature: Feature| match feature {
+        Feature::OrderScore(place) | Feature::LogOrderAmplitude(place) => {
+            let pair = shaft.orders().get(place as usize).zip(orders.cells().get(place as usize));
+            Some(pair.is_some_and(|(own, order)| own.smallest <= order.most_a))
+        }
+        _ => None,
+    };
+    let of_friction = |feature: Feature| match feature {
+        Feature::Friction(_) | Feature::FrictionScore(_) | Feature::LogFriction(_) => Some(true),
+        _ => None,
+    };
+    match (classifier.seen(missing, of_order), classifier.seen(missing, of_friction)) {
+        ([true, true], _) | ([false, _], [true, true] | [false, _]) => None,
+        ([true, false], _) => {
+            let turned = shaft.orders().iter().any(|order| !order.unseen);
+            let obstacle = if turned { Obstacle::TooNoisy } else { Obstacle::TooLittleMotion };
+            Some(shaft.orders_reason.unwrap_or(Reason::Unseen(obstacle)))
+        }
+        ([false, _], [true, false]) => {
+            Some(shaft.friction_reason.unwrap_or(Reason::TermNotExcited(FrictionTerm::Drag)))
+        }
+    }
 }
 
 /// The verdict of a decision.

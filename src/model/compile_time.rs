@@ -56,7 +56,9 @@ macro_rules! model_parts {
             novelty_factor: $crate::model_parts!(@$slice novelty.factor),
             knots: &novelty.knots,
             laws: $crate::model_parts!(@$slice novelty.laws),
+            rises: $crate::model_parts!(@$slice novelty.rises),
             freedom: novelty.freedom,
+            acceptable: novelty.acceptable,
             limit: novelty.limit,
             directions: $crate::model_parts!(@$slice novelty.directions.list),
             runs: $crate::model::RunParts {

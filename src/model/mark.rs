@@ -6,7 +6,7 @@
 
 use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
 use crate::alarm::EvidenceConstants;
-use crate::decide::{Background, Direction, UNMARKED};
+use crate::decide::{Background, Direction, Rise, UNMARKED};
 use crate::shaft::TrackedOrder;
 
 /// Words so far.
@@ -43,10 +43,21 @@ impl Mark {
         mark
     }
 
+    const fn rises(self, rises: &[Rise]) -> Self {
+        let (mut mark, mut rest) = (self, rises);
+        while let [Rise { fall, reach }, later @ ..] = rest {
+            mark = mark.floats(&[*fall, *reach]);
+            rest = later;
+        }
+        mark
+    }
+
     const fn orders(self, orders: &[TrackedOrder]) -> Self {
         let (mut mark, mut rest) = (self, orders);
         while let [order, later @ ..] = rest {
-            mark = mark.word(order.order_q16.cast_unsigned()).floats(&order.weights).floats(&[order.slip_ratio]);
+            let TrackedOrder { order_q16, weights, slip_ratio, needed_score, most_relative, most_a } = *order;
+            mark = mark.word(order_q16.cast_unsigned()).floats(&weights);
+            mark = mark.floats(&[slip_ratio, needed_score, most_relative, most_a]);
             rest = later;
         }
         mark
@@ -76,6 +87,10 @@ pub const fn mark(parts: &Parts<'_>) -> u32 {
     });
     mark = mark.floats(parts.novelty_mean).floats(parts.novelty_factor).floats(parts.knots.as_flattened());
     mark = mark.floats(parts.laws.as_flattened().as_flattened()).directions(parts.directions);
+    // Without rising coordinates these have no effect, and the mark remains.
+    if !parts.rises.is_empty() {
+        mark = mark.rises(parts.rises).floats(&[parts.acceptable]);
+    }
     let RunParts { usual_segments, margin, most_runs } = parts.runs;
     // Without directions these have no effect, and the mark remains.
     if !parts.directions.is_empty() {

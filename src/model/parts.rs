@@ -2,7 +2,7 @@
 
 use super::sampling::Sampling;
 use crate::alarm::EvidenceConstants;
-use crate::decide::{Covariate, Direction, Feature, KNOTS, Law};
+use crate::decide::{Covariate, Direction, Feature, KNOTS, Law, Rise};
 use crate::plan::Layout;
 use crate::regression::factor::Forgetting;
 use crate::shaft::{Balance, Blocks, Lags, TrackedOrder};
@@ -67,7 +67,9 @@ pub struct Parts<'a> {
     pub novelty_factor: &'a [f32],
     pub knots: &'a [[f32; 2]; KNOTS],
     pub laws: &'a [Law],
+    pub rises: &'a [Rise],
     pub freedom: f32,
+    pub acceptable: f32,
     pub limit: f32,
     pub directions: &'a [Direction],
     pub runs: RunParts,

@@ -5,7 +5,7 @@
 use super::{
     Background, Balance, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Directions, Discriminant,
     EvidenceConstants, Feature, Field, Forgetting, KNOTS, Label, Lags, ModelError, Name, Novelty, Projection,
-    Regression, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking,
+    Regression, Rise, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking,
 };
 use crate::plan::{
     Array, Cells, Kind, Layout, MAX_HARMONICS, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
@@ -231,7 +231,8 @@ fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstant
     for order in shaft.tracking.orders.cells_mut() {
         order.order_q16 = reader.u32()?.cast_signed();
         reader.fill(&mut order.weights)?;
-        order.slip_ratio = reader.f32()?;
+        (order.slip_ratio, order.needed_score) = (reader.f32()?, reader.f32()?);
+        (order.most_relative, order.most_a) = (reader.f32()?, reader.f32()?);
     }
     let blocks = &mut shaft.tracking.blocks;
     for control in &mut blocks.controls {
@@ -273,7 +274,10 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
         reader.fill(knots.as_flattened_mut())?;
         (novelty.knots, novelty.limit) = (knots, reader.f32()?);
         if layout.rising > 0 {
-            novelty.freedom = reader.f32()?;
+            (novelty.freedom, novelty.acceptable) = (reader.f32()?, reader.f32()?);
+            for rise in novelty.rises.cells_mut() {
+                *rise = Rise { fall: reader.f32()?, reach: reader.f32()? };
+            }
             reader.fill(novelty.laws.cells_mut().as_flattened_mut().as_flattened_mut())?;
         }
         if layout.directions > 0 {

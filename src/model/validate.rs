@@ -10,7 +10,7 @@ use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
 use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, reaches, split};
 use super::sampling::{MAX_BLOCK_MEAN, Sampling};
 use crate::alarm::EvidenceConstants;
-use crate::decide::{Background, Covariate, Direction, MAX_SURPRISE};
+use crate::decide::{Background, Covariate, Direction, MAX_SURPRISE, Rise};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
 use crate::regression::estimate::is_stable;
 use crate::regression::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
@@ -255,6 +255,9 @@ const fn is_good(order: &TrackedOrder, harmonics: usize) -> bool {
         && all_within(computed, 0.0, 1e3)
         && !all_within(computed, 0.0, 1e-3)
         && all_within(rest, 0.0, 0.0)
+        && all_within(&[order.needed_score], -1e6, 1e6)
+        && order.most_relative > 0.0
+        && order.most_a > 0.0
 }
 
 const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
@@ -299,6 +302,7 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
     require_length!(parts.novelty_mean.len(), layout.coordinates as usize, HealthyDensity);
     require_length!(parts.novelty_factor.len(), layout.density(), HealthyDensity);
     require_length!(parts.laws.len(), layout.laws(), RisingCoordinates);
+    require_length!(parts.rises.len(), layout.laws(), RisingCoordinates);
     require!(all_within(parts.novelty_mean, -LARGEST, LARGEST), HealthyDensity);
     require!(all_within(parts.novelty_factor, f32::MIN, f32::MAX), HealthyDensity);
     if let Some(class) = parts.healthy {
@@ -310,6 +314,7 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
         require!(parts.limit == f32::INFINITY || reaches(parts.knots, parts.limit, NOVEL), SurpriseCurve);
         if let [others, rising @ ..] = parts.laws {
             require!(parts.freedom >= 1.0 && parts.freedom <= LARGEST, RisingCoordinates);
+            require!(parts.acceptable > 1.0 && are_rises(parts.rises), RisingCoordinates);
             require!(layout.rising == layout.coordinates || is_law(others), SurpriseCurve);
             let mut rest = rising;
             while let [law, later @ ..] = rest {
@@ -325,6 +330,18 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
     // A mean is at most the largest e-value.
     require!(segments_a_run > 0 && all_within(&[log_mean, defect_log_mean], LEAST_LOG, cap), Evidence);
     Ok(())
+}
+
+/// Infinite scales and reaches have no meaning.
+const fn are_rises(rises: &[Rise]) -> bool {
+    let mut rest = rises;
+    while let [Rise { fall, reach }, later @ ..] = rest {
+        if !all_within(&[*fall], 0.0, 1e6) || !all_within(&[*reach], 0.0, 1e6) {
+            return false;
+        }
+        rest = later;
+    }
+    true
 }
 
 /// Directions are those of the healthy class.

@@ -3,7 +3,7 @@
 use super::reader::NONE;
 use super::{
     Background, Blocks, Channel, Classifier, Constants, Covariate, Direction, Directions, Discriminant, Feature, Lags,
-    ModelError, Regression, ShaftConstants, StateVariable,
+    ModelError, Regression, Rise, ShaftConstants, StateVariable,
 };
 use crate::checksum::Crc32;
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
@@ -160,7 +160,7 @@ fn write_shaft<P: Plan>(writer: &mut Writer<impl Sink>, shaft: &ShaftConstants<P
     for order in tracking.orders.cells() {
         writer.bytes(&order.order_q16.to_le_bytes())?;
         writer.floats(&order.weights)?;
-        writer.floats(&[order.slip_ratio])?;
+        writer.floats(&[order.slip_ratio, order.needed_score, order.most_relative, order.most_a])?;
     }
     let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole, high_pass } = tracking.blocks;
     controls.into_iter().try_for_each(|order| writer.bytes(&order.to_le_bytes()))?;
@@ -190,7 +190,8 @@ fn write_classifier<P: Plan>(writer: &mut Writer<impl Sink>, classifier: &Classi
         writer.floats(novelty.knots.as_flattened())?;
         writer.floats(&[novelty.limit])?;
         if !novelty.laws.cells().is_empty() {
-            writer.floats(&[novelty.freedom])?;
+            writer.floats(&[novelty.freedom, novelty.acceptable])?;
+            novelty.rises.cells().iter().try_for_each(|Rise { fall, reach }| writer.floats(&[*fall, *reach]))?;
             writer.floats(novelty.laws.cells().as_flattened().as_flattened())?;
         }
         if !novelty.directions.list.cells().is_empty() {

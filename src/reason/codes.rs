@@ -1,7 +1,7 @@
 //! Reasons as numbers, those of the C interface, and back.
 
 use super::kernel::Kernel;
-use super::{FrictionTerm, Implausible, Part, Reason};
+use super::{FrictionTerm, Implausible, Obstacle, Part, Reason};
 
 /// A reason as numbers: its kind, its part, parameter, term, channel, covariate, error or kernel, and its rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ fn place_in<T: PartialEq, const N: usize>(all: [T; N], value: &T) -> u8 {
 
 impl Reason {
     /// Kinds have numbers below this one.
-    pub(crate) const KINDS: usize = 16;
+    pub(crate) const KINDS: usize = 17;
 
     pub(crate) fn code(self) -> ReasonCode {
         let of = |kind, place| ReasonCode { kind, place, rows: 0 };
@@ -50,6 +50,7 @@ impl Reason {
             Self::Arithmetic(kernel) => of(13, place_in(Kernel::ALL, &kernel)),
             Self::OtherModel => of(14, 0),
             Self::FoundLate => of(15, 0),
+            Self::Unseen(obstacle) => of(16, place_in(Obstacle::ALL, &obstacle)),
         }
     }
 }
@@ -74,6 +75,7 @@ impl ReasonCode {
             13 => Reason::Arithmetic(*Kernel::ALL.get(place as usize)?),
             14 => Reason::OtherModel,
             15 => Reason::FoundLate,
+            16 => Reason::Unseen(*Obstacle::ALL.get(place as usize)?),
             _ => return None,
         })
     }
@@ -130,6 +132,8 @@ mod tests {
             (Reason::OutOfRange { covariate: 1 }, [9, 1], 0),
             (Reason::OtherModel, [14, 0], 0),
             (Reason::FoundLate, [15, 0], 0),
+            (Reason::Unseen(Obstacle::TooLittleMotion), [16, 0], 0),
+            (Reason::Unseen(Obstacle::TooNoisy), [16, 1], 0),
         ]);
         for (part, place) in parts {
             table.push((Reason::TooFewRows { part, rows: 1_000_000 }, [1, place], 1_000_000));
@@ -153,7 +157,7 @@ mod tests {
 
     #[test]
     fn numbers_without_a_meaning_are_refused() {
-        let refused = [(0, 0), (11, 0), (16, 0), (1, 0), (1, 5), (5, 8), (12, 13), (13, 7)];
+        let refused = [(0, 0), (11, 0), (16, 2), (17, 0), (1, 0), (1, 5), (5, 8), (12, 13), (13, 7)];
         for (kind, place) in refused {
             assert_eq!(ReasonCode { kind, place, rows: 0 }.reason(), None, "{kind} {place}");
         }

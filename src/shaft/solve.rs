@@ -64,6 +64,11 @@ impl ShaftSolve {
                     (estimate.friction_reason, estimate.orders_reason) = (Some(reason), Some(reason));
                     return true;
                 }
+                if sums.balance.is_at_rest(&constants.balance, load) {
+                    estimate.friction_reason = Some(Reason::AtRest);
+                    self.next = Step::Noise;
+                    return false;
+                }
                 match self.estimated.solve(&constants.balance, load, &mut sums.balance) {
                     Ok(()) => Step::Covariance,
                     Err(reason) => {
@@ -153,13 +158,17 @@ fn short<P: Plan>(sums: &ShaftSums<P>, estimate: &mut ShaftEstimate<P>) -> Optio
     (used < seen / 2).then_some(Reason::ShortSegment { rows: used })
 }
 
-/// Why there are no orders. The residual is that of parameters which gaps may have left undetermined: the error of the
+/// Why there are no orders: a shaft at rest has too few blocks. The residual is that of parameters which gaps may have left undetermined: the error of the
 /// friction is in it.
 fn without_orders<P: Plan>(sums: &ShaftSums<P>, friction: Option<Reason>) -> Option<Reason> {
     let Usage { seen, used } = sums.usage;
     let gaps = used < seen.wrapping_sub(seen / 16);
     let undetermined = matches!(friction, Some(Reason::TooFewRows { .. }));
-    if gaps && undetermined { friction } else { sums.orders.reason() }
+    if gaps && undetermined {
+        return friction;
+    }
+    let few = sums.orders.reason()?;
+    Some(if friction == Some(Reason::AtRest) { Reason::AtRest } else { few })
 }
 
 impl Default for ShaftSolve {

@@ -119,6 +119,7 @@ impl SegmentFrame {
         "arithmetic of the processor",
         "other model",
         "withdrawn: fault found late",
+        "too little seen",
     ];
 
     /// The frame of a report, and of the evidence that has observed it.

@@ -34,8 +34,9 @@ pub(crate) struct Density<P: Plan> {
     factor: Array<P::Density, f32>,
     /// Σ ln D' of the available rows.
     log_determinant: f32,
-    /// Number of available coordinates.
+    /// Number of available coordinates, and of all.
     available: usize,
+    coordinates: usize,
 }
 
 impl<P: Plan> Density<P> {
@@ -43,7 +44,7 @@ impl<P: Plan> Density<P> {
     #[inline(never)]
     pub(crate) fn of(factor: &[f32], variances: &[f32], coordinates: usize) -> Self {
         let length = crate::regression::factor::lower(coordinates, 0);
-        let mut density = Self { factor: Cells::filled(length, 1.0), log_determinant: 0.0, available: 0 };
+        let mut density = Self { factor: Cells::filled(length, 1.0), log_determinant: 0.0, available: 0, coordinates };
         pairs(rolled(density.factor.cells_mut()), factor).for_each(|(cell, x)| *cell = *x);
         let mut x: Array<P::Coordinates, f32> = Cells::filled(coordinates, 0.0);
         let mut rows = density.factor.cells_mut();
@@ -81,8 +82,11 @@ impl<P: Plan> Density<P> {
     /// d² of (4), and the values that are judged one by one ([`super::rising`]).
     #[inline(never)]
     pub(crate) fn scores(&self, mean: &[f32], z: &[f32], freedom: f32, judged: &mut [f32]) -> Scores {
-        let mut scores = Scores::default();
-        self.solve(mean, z, |y, pivot, after| scores.add(y, pivot, after, freedom, judged));
+        let (mut scores, all) = (Scores::default(), z.len());
+        self.solve(mean, z, |y, pivot, after| {
+            let k = all.wrapping_sub(after).wrapping_sub(1);
+            scores.add(y, pivot, [k, all], freedom, judged);
+        });
         scores
     }
 
@@ -101,10 +105,25 @@ impl<P: Plan> Density<P> {
         }
     }
 
+    /// D' of each coordinate, infinite where it is missing.
+    pub(crate) fn pivots(&self) -> impl Iterator<Item = f32> {
+        pivots(self.factor.cells(), self.coordinates)
+    }
+
     /// (5) from (4).
     pub(crate) fn log_density(&self, squared: f32) -> f32 {
         -0.5 * (self.available as f32 * LN_2PI + self.log_determinant + squared)
     }
+}
+
+/// D of each of so many coordinates, of a factor (1).
+pub(crate) fn pivots(factor: &[f32], coordinates: usize) -> impl Iterator<Item = f32> {
+    let (mut rest, mut length) = (factor, coordinates);
+    core::iter::from_fn(move || {
+        let (row, below) = rest.split_at_checked(length)?;
+        (rest, length) = (below, length.checked_sub(1)?);
+        row.first().copied()
+    })
 }
 
 /// The row's own part of (3): widens the pivot and reduces what is right of it, which x then has as it was; returns w.
@@ -152,6 +171,15 @@ mod tests {
         assert!((squared - expected.0).abs() < 3e-6 * expected.0.max(1.0), "{squared} for {expected:?}");
         assert!((log - expected.1).abs() < 3e-6 * expected.1.abs().max(1.0), "{log} for {expected:?}");
         assert_eq!(available, expected.2);
+    }
+
+    #[test]
+    fn pivots_are_the_first_elements_of_the_rows() {
+        let pivots =
+            |variances: &[f32]| Density::<RunTime>::of(&FACTOR, variances, 2).pivots().collect::<std::vec::Vec<_>>();
+        assert_eq!(pivots(&[]), [4.0, 2.0]);
+        // The second coordinate given the first one, whose error is infinite, has its own variance.
+        assert_eq!(pivots(&[f32::INFINITY, 0.5]), [f32::INFINITY, 3.5]);
     }
 
     #[test]

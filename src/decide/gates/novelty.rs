@@ -29,7 +29,7 @@
 use super::density::Density;
 use super::direction::Directions;
 use super::law::{KNOTS, Law, equivalent, surprise};
-use super::rising;
+use super::rising::{self, Most, Rise, Scores};
 use crate::plan::{Array, Cells, Plan};
 
 /// The distribution of the healthy class.
@@ -47,8 +47,13 @@ pub struct Novelty<P: Plan> {
     /// With K rising coordinates the law of d² of the others, not used without others, and then that of the square of
     /// each rising one.
     pub laws: Array<P::Laws, Law>,
+    /// Of each rising coordinate, in the order of the laws; the first one is not used.
+    pub rises: Array<P::Laws, Rise>,
     /// Degrees of freedom of m and S; not used without rising coordinates.
     pub freedom: f32,
+    /// The smallest defect that a rising coordinate shows may be so many times the usual one; with a larger one the
+    /// coordinate is missing.
+    pub acceptable: f32,
     /// −ln α of (3), nats; infinite if distances are computed but nothing is called novel.
     pub limit: f32,
     /// The directions of defects, and the law of healthy runs in each.
@@ -69,6 +74,8 @@ pub struct Departure {
     pub distance_surprise: f32,
     /// The surprise that (3) compares: with rising coordinates that of the rarest value.
     pub surprise: f32,
+    /// The coordinate that departs most.
+    pub most: Option<Most>,
 }
 
 impl<P: Plan> Novelty<P> {
@@ -82,7 +89,9 @@ impl<P: Plan> Novelty<P> {
             factor: Cells::filled(layout.density(), 0.0),
             knots: [[0.0; 2]; KNOTS],
             laws: Cells::filled(layout.laws(), [[0.0; 2]; KNOTS]),
+            rises: Cells::filled(layout.laws(), Rise::NONE),
             freedom: 1.0,
+            acceptable: f32::INFINITY,
             limit: f32::INFINITY,
             directions: Directions::none(plan),
         }
@@ -97,14 +106,14 @@ impl<P: Plan> Novelty<P> {
         }
         let density = Density::<P>::of(self.factor.cells(), variances, z.len());
         let laws = self.laws.cells();
-        if laws.is_empty() {
-            let squared = density.squared_distance(self.mean.cells(), z);
-            return self.departure(squared, density.available(), z.len());
-        }
         let mut judged: Array<P::Laws, f32> = Cells::filled(laws.len(), rising::MISSING);
         let scores = density.scores(self.mean.cells(), z, self.freedom, judged.cells_mut());
-        let departure = self.departure(scores.squared, scores.available, z.len());
-        Departure { surprise: rising::rarest(laws, judged.cells_mut(), [scores.others, z.len()]), ..departure }
+        let departure = self.departure(&scores, z.len());
+        if laws.is_empty() {
+            return departure;
+        }
+        let (surprise, most) = rising::rarest(laws, self.rises.cells(), judged.cells(), &scores, z.len());
+        Departure { surprise, most, ..departure }
     }
 
     /// Whether a segment at this squared distance (1) from a class, over the available ones of all coordinates, is
@@ -128,10 +137,10 @@ impl<P: Plan> Novelty<P> {
     }
 
     /// Distance and surprise of (1) over the available ones of all coordinates.
-    fn departure(&self, squared: f32, available: usize, all: usize) -> Departure {
-        let squared = equivalent(squared, available, all);
-        let surprise = self.surprise(squared);
-        Departure { distance: libm::sqrtf(squared), distance_surprise: surprise, surprise }
+    fn departure(&self, scores: &Scores, all: usize) -> Departure {
+        let squared = equivalent(scores.squared, scores.available, all);
+        let (surprise, most) = (self.surprise(squared), scores.farthest());
+        Departure { distance: libm::sqrtf(squared), distance_surprise: surprise, surprise, most }
     }
 }
 
@@ -160,7 +169,7 @@ mod tests {
     fn distance_by_hand() {
         // S = [4 −2; −2 1.25]: R⁻ᵀ (2, 0.25) = (2, 1.25), so d² = 1 + 6.25 = 7.25,
         // between the knots (4, 2) and (9, 3).
-        let Departure { distance, distance_surprise, surprise } = curve().judge(&[3.0, -0.75], &[]);
+        let Departure { distance, distance_surprise, surprise, .. } = curve().judge(&[3.0, -0.75], &[]);
         assert!((distance * distance - 7.25).abs() < 1e-6);
         assert!((surprise - 2.65).abs() < 1e-6 && surprise == distance_surprise);
         // With errors of variance 1 and 0.75, S = [5 −2; −2 2] of determinant 6: d² = (2·4 + 2·2·0.5 + 5·0.0625)/6.

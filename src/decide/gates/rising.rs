@@ -1,13 +1,14 @@
-//! Coordinates of which only larger values than usual show a defect, such as the scores of bearing orders.
+//! Coordinates of which a larger value than usual shows a defect, such as the scores of bearing orders.
 //!
 //! Enters: the coordinates' scores given those before them ([`super::density`]). Leaves: the surprise of the rarest of
-//! the distance of the other coordinates and each rising one.
+//! the distance of the other coordinates and each rising one, and which one it is.
 //!
 //! ```text
 //! d²_i = y_1²/D'_1 + … + y_i²/D'_i,     y, D' of all Z coordinates, the K rising ones last       (1)
 //! p_0  = P(d²_{Z−K} at least this large)
-//! u_i  = y_i/√(D'_i (1 + d²_{i−1}/ν)),   p_i = P(U_i ≥ u_i),   i > Z − K                         (2)
-//! s    = −ln(1 − (1 − min p)^M),   M: number of available values p                               (3)  Tippett 1931
+//! u_i  = y_i/√(D'_i (1 + d²_{i−1}/ν)),   p_i = min(P(U_i ≥ u_i), P(U_i ≤ u_i)/φ),   i > Z − K      (2)
+//! s    = −ln(1 − (1 − min p)^M),   M: number of available values, and φ for each rising one       (3)  Tippett 1931
+//! P(U_i ≤ −u) = P(U_i ≥ f_i u),   u > 0                                                           (4)
 //! ```
 //!
 //! A distance in Z coordinates contains the noise of coordinates that a defect does not change, and does not
@@ -15,9 +16,12 @@
 //! too strong, but 3.9 in a distance in five coordinates; by (3), one of three rising coordinates beside a distance
 //! needs 2.8. (2) is the score of a coordinate given those before it, independent of their distance if all are normal;
 //! mean and covariance are estimated with ν degrees of freedom, which its second factor and the laws of d² and u
-//! account for. Each u has a law of its own, whose knots are −ln 2 P(U ≥ u) over u², u ≥ 0. Values below the mean are
-//! never rare: for u < 0 the probability is 1 − P(U ≥ |u|). For independent values (3) is exact; if they are correlated
-//! and their laws are known, the rate is lower than the set one.
+//! account for. Each u has a law of its own, whose knots are −ln 2 P(U ≥ u) over u², u ≥ 0.
+//!
+//! A fall is a finding too, though not of a bearing: the load or the belt is lost, or a sensor fails. It gets the part φ
+//! = 0.1 of the false alarms of a rise, so that a rise needs 0.03 deviations more than without it. The tail below the
+//! mean is that above it on another scale (4), by which the two agree where a fall reaches the limit. For independent
+//! values (3) is exact; if they are correlated and their laws are known, the rate is lower than the set one.
 
 use core::f32::consts::LN_2;
 
@@ -27,6 +31,33 @@ use crate::regression::factor::pairs;
 
 /// A value that is not available.
 pub(crate) const MISSING: f32 = f32::NEG_INFINITY;
+/// φ of (2).
+pub(crate) const FALLS: f32 = 0.1;
+
+/// What the gate has of a rising coordinate beside its law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Rise {
+    /// f of (4); 0 if a fall is no finding.
+    pub fall: f32,
+    /// Deviations by which a defect must raise the coordinate, so that it is found with a probability of 90 %.
+    pub reach: f32,
+}
+
+impl Rise {
+    /// No fall is a finding, and no size of a defect is known.
+    pub const NONE: Self = Self { fall: 0.0, reach: 0.0 };
+}
+
+/// The coordinate that departs most from healthy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Most {
+    /// Its place.
+    pub coordinate: u8,
+    /// Whether it is below its usual value.
+    pub falls: bool,
+}
 
 /// Squared distances and numbers of available coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,15 +67,17 @@ pub(crate) struct Scores {
     pub available: usize,
     /// The number of available ones before the rising coordinates.
     pub others: usize,
+    /// y²/D' of the coordinate before the rising ones that departs most, and which one it is.
+    farthest: (f32, Option<Most>),
 }
 
 impl Scores {
-    /// Takes y and D' of the next coordinate, which `after` others follow; one with an infinite D' is not available.
+    /// Takes y and D' of the next coordinate, of which there are so many; one with an infinite D' is not available.
     /// `judged` gets d² of the others and u of each rising coordinate.
-    pub(crate) fn add(&mut self, y: f32, pivot: f32, after: usize, freedom: f32, judged: &mut [f32]) {
+    pub(crate) fn add(&mut self, y: f32, pivot: f32, [k, all]: [usize; 2], freedom: f32, judged: &mut [f32]) {
         let rising = judged.get_mut(1..).unwrap_or_default();
         let is_missing = pivot >= f32::INFINITY;
-        let cell = rising.len().checked_sub(after.wrapping_add(1)).and_then(|place| rising.get_mut(place));
+        let cell = k.checked_sub(all.saturating_sub(rising.len())).and_then(|place| rising.get_mut(place));
         let rises = cell.is_some();
         if let Some(cell) = cell {
             let u = y / libm::sqrtf(pivot * (1.0 + self.squared / freedom)); // (2)
@@ -53,54 +86,77 @@ impl Scores {
         if is_missing {
             return;
         }
-        self.squared += y * (y / pivot);
+        let squared = y * (y / pivot);
+        self.squared += squared;
         self.available = self.available.saturating_add(1);
         if !rises {
             self.others = self.available;
+            if squared > self.farthest.0 {
+                self.farthest = (squared, most(k, y < 0.0));
+            }
             if let Some(of_others) = judged.first_mut() {
                 *of_others = self.squared;
             }
         }
     }
+
+    /// The coordinate before the rising ones that departs most.
+    pub(crate) const fn farthest(&self) -> Option<Most> {
+        self.farthest.1
+    }
 }
 
-/// s of (3), of d² of the others and then u of each rising coordinate, which are overwritten: so many of the others are
-/// available, of so many coordinates in all.
-#[inline(never)]
-pub(crate) fn rarest(laws: &[Law], judged: &mut [f32], [others, coordinates]: [usize; 2]) -> f32 {
-    let all_others = coordinates.saturating_sub(laws.len().saturating_sub(1));
-    for (k, (law, value)) in pairs(0..usize::MAX, pairs(laws, &mut *judged)) {
-        if *value != MISSING {
-            *value = if k == 0 { surprise(law, equivalent(*value, others, all_others)) } else { far(law, *value) };
+fn most(coordinate: usize, falls: bool) -> Option<Most> {
+    u8::try_from(coordinate).ok().map(|coordinate| Most { coordinate, falls })
+}
+
+/// The probabilities of the values so far: the smallest with its coordinate, and M of (3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Smallest {
+    p: f32,
+    count: f32,
+    most: Option<Most>,
+}
+
+impl Smallest {
+    /// Takes a probability of this share of the false alarms; a NaN stays.
+    fn take(&mut self, p: f32, share: f32, most: Option<Most>) {
+        self.count += share;
+        // `clamp` may panic, and a NaN is no maximum.
+        let p = if p > 1.0 { 1.0 } else { p };
+        if p < self.p || p.is_nan() {
+            (self.p, self.most) = (p, most);
         }
     }
-    let (p, count) = smallest(judged);
-    together(p, count)
 }
 
-/// −ln P(U ≥ |u|), negative for a negative u.
-fn far(law: &Law, u: f32) -> f32 {
-    let far = surprise(law, u * u) + LN_2;
-    if u < 0.0 { -far } else { far }
-}
-
-/// min p and M.
+/// s of (3) and the rarest coordinate, of d² of the others and u of each rising one.
 #[inline(never)]
-fn smallest(judged: &[f32]) -> (f32, f32) {
-    let [of_others, rising @ ..] = judged else { return (1.0, 0.0) };
-    // Of values below the mean, the one nearest to it has the smallest P(U ≥ u).
-    let (mut rarest, mut count) = (MISSING, 0.0);
-    for s in rising.iter().filter(|s| **s != MISSING) {
-        count += 1.0;
-        rarest = if *s > rarest || s.is_nan() { *s } else { rarest };
+pub(crate) fn rarest(laws: &[Law], rises: &[Rise], judged: &[f32], scores: &Scores, all: usize) -> (f32, Option<Most>) {
+    let first = all.saturating_sub(laws.len().saturating_sub(1));
+    let mut smallest = Smallest { p: 1.0, count: 0.0, most: None };
+    for (k, (law, (value, rise))) in pairs(0..usize::MAX, pairs(laws, pairs(judged, rises))) {
+        if *value == MISSING {
+            continue;
+        }
+        if k == 0 {
+            let of_others = surprise(law, equivalent(*value, scores.others, first));
+            smallest.take(libm::expf(-of_others), 1.0, scores.farthest());
+            continue;
+        }
+        let (u, place) = (value.abs(), first.wrapping_add(k).wrapping_sub(1));
+        let beyond = libm::expf(-far(law, u));
+        let falls = *value < 0.0;
+        smallest.take(if falls { 1.0 - beyond } else { beyond }, 1.0, most(place, false));
+        let below = if falls { libm::expf(-far(law, rise.fall * u)) / FALLS } else { 1.0 };
+        smallest.take(below, FALLS, most(place, true));
     }
-    let near = libm::expf(-rarest.abs());
-    let p = if rarest < 0.0 { 1.0 - near } else { near };
-    if *of_others == MISSING {
-        return (p, count);
-    }
-    let of_others = libm::expf(-*of_others);
-    (if of_others > p || p.is_nan() { p } else { of_others }, count + 1.0)
+    (together(smallest.p, smallest.count), smallest.most)
+}
+
+/// −ln P(U ≥ u), u ≥ 0.
+fn far(law: &Law, u: f32) -> f32 {
+    surprise(law, u * u) + LN_2
 }
 
 /// (3).
@@ -132,14 +188,18 @@ mod tests {
         (0..=count).map(|k| line(0.5 * 2.0_f32.powi(k as i32))).collect()
     }
 
-    /// The surprise of (y, D') of two others and then of rising ones, with ν = 10.
-    fn judged(values: &[[f32; 2]]) -> f32 {
+    /// The surprise of (y, D') of two others and then of rising ones, with ν = 10 and f = 2, and the rarest one.
+    fn rarest_of(values: &[[f32; 2]]) -> (f32, Option<Most>) {
         let laws = laws(values.len() - 2);
         let (mut judged, mut scores) = (vec![MISSING; laws.len()], Scores::default());
         for (k, [y, pivot]) in values.iter().enumerate() {
-            scores.add(*y, *pivot, values.len() - 1 - k, 10.0, &mut judged);
+            scores.add(*y, *pivot, [k, values.len()], 10.0, &mut judged);
         }
-        rarest(&laws, &mut judged, [scores.others, values.len()])
+        rarest(&laws, &vec![Rise { fall: 2.0, reach: 0.0 }; laws.len()], &judged, &scores, values.len())
+    }
+
+    fn judged(values: &[[f32; 2]]) -> f32 {
+        rarest_of(values).0
     }
 
     fn near(surprise: f32, expected: f64) {
@@ -147,9 +207,9 @@ mod tests {
         assert!((f64::from(surprise) - expected).abs() < 5e-4, "{surprise} for {expected}");
     }
 
-    /// (3) of the smallest of so many probabilities.
-    fn of(p: f64, count: i32) -> f64 {
-        -(1.0 - (1.0 - p).powi(count)).ln()
+    /// (3) of the smallest of so many probabilities, of which so many rise.
+    fn of(p: f64, count: f64) -> f64 {
+        -(1.0 - (1.0 - p).powf(count)).ln()
     }
 
     const MISS: [f32; 2] = [3.0, f32::INFINITY];
@@ -158,34 +218,48 @@ mod tests {
     fn the_rarer_of_distance_and_coordinate_counts() {
         assert_eq!(laws(1)[1].len(), KNOTS);
         // d² = 4/4 + 9/3 = 4: p₀ = e⁻². u² = 16/2/(1 + 4/10) = 40/7.
-        near(judged(&[[2.0, 4.0], [3.0, 3.0], [4.0, 2.0]]), of(0.5 * (-40.0_f64 / 7.0).exp(), 2));
-        // A coordinate that falls leaves the distance, whatever its size.
-        near(judged(&[[2.0, 4.0], [3.0, 3.0], [-4.0, 2.0]]), of((-2.0_f64).exp(), 2));
+        let rising = [[2.0, 4.0], [3.0, 3.0], [4.0, 2.0]];
+        near(judged(&rising), of(0.5 * (-40.0_f64 / 7.0).exp(), 2.1));
+        assert_eq!(rarest_of(&rising).1, Some(Most { coordinate: 2, falls: false }));
+        // A coordinate near its mean leaves the distance, in which the second one is farthest.
+        let others = [[2.0, 4.0], [-3.0, 3.0], [0.5, 2.0]];
+        near(judged(&others), of((-2.0_f64).exp(), 2.1));
+        assert_eq!(rarest_of(&others).1, Some(Most { coordinate: 1, falls: true }));
         // Without the rising one, without the others, and without any.
         near(judged(&[[2.0, 4.0], [3.0, 3.0], MISS]), 2.0);
-        near(judged(&[MISS, MISS, [4.0, 2.0]]), 8.0 + std::f64::consts::LN_2);
+        near(judged(&[MISS, MISS, [4.0, 2.0]]), of(0.5 * (-8.0_f64).exp(), 1.1));
         near(judged(&[MISS; 3]), 0.0);
+        assert_eq!(rarest_of(&[MISS; 3]).1, None);
         let sum = judged(&[[2.0, 4.0], [f32::NAN, 3.0], [4.0, 2.0]]);
         assert!(sum.is_nan(), "{sum}");
+    }
+
+    #[test]
+    fn a_fall_counts_on_its_own_scale_for_a_tenth() {
+        // u² = 16/2 = 8, four times as far below the mean: p = e⁻³²/2 of which φ is a tenth.
+        let fallen = [[0.0, 1.0], [0.0, 1.0], [-4.0, 2.0]];
+        near(judged(&fallen), 32.0 + 2.0_f64.ln() + 0.1_f64.ln() - 2.1_f64.ln());
+        assert_eq!(rarest_of(&fallen).1, Some(Most { coordinate: 2, falls: true }));
+        // A small fall is usual: e⁻¹/2 is more than φ.
+        near(judged(&[[0.0, 1.0], [0.0, 1.0], [-0.5, 1.0]]), of(1.0 - 0.5 * (-0.25_f64).exp(), 2.1));
     }
 
     #[test]
     fn each_coordinate_has_a_law_of_its_own() {
         // No distance; u² = 1 with the surprise 1, and 4/(1 + 1/10) with twice as much.
         let [none, other] = [[0.0, 1.0]; 2];
-        near(judged(&[none, other, [1.0, 1.0], [2.0, 1.0]]), of(0.5 * (-80.0_f64 / 11.0).exp(), 3));
+        near(judged(&[none, other, [1.0, 1.0], [2.0, 1.0]]), of(0.5 * (-80.0_f64 / 11.0).exp(), 3.2));
         // So small that a sum of probabilities is enough.
-        near(judged(&[none, other, [3.0, 1.0], [-1.0, 1.0]]), 9.0 + 2.0_f64.ln() - 3.0_f64.ln());
+        near(judged(&[none, other, [3.0, 1.0], [-0.1, 1.0]]), 9.0 + 2.0_f64.ln() - 3.2_f64.ln());
         // A coordinate that is missing does not count.
-        near(judged(&[none, other, [1.0, 1.0], MISS]), of(0.5 * (-1.0_f64).exp(), 2));
-        near(judged(&[none, other, MISS, [-1.0, 1.0]]), of(1.0 - 0.5 * (-2.0_f64).exp(), 2));
+        near(judged(&[none, other, [1.0, 1.0], MISS]), of(0.5 * (-1.0_f64).exp(), 2.1));
     }
 
     #[test]
     fn far_values_stay_finite() {
         let far = judged(&[[1e18, 1.0], [0.0, 1.0], [1e18, 1e-3]]);
         assert!(far > 30.0 && far.is_finite(), "{far}");
-        let near_zero = judged(&[[0.0, 1.0], [0.0, 1.0], [-1e18, 1e-3]]);
-        assert!((0.0..1e-6).contains(&near_zero), "{near_zero}");
+        let fallen = judged(&[[0.0, 1.0], [0.0, 1.0], [-1e18, 1e-3]]);
+        assert!(fallen > 30.0 && fallen.is_finite(), "{fallen}");
     }
 }

@@ -4,7 +4,7 @@
 use std::vec::Vec;
 
 use super::*;
-use crate::decide::Law;
+use crate::decide::{Law, Rise};
 use crate::plan::RunTime;
 
 /// Bytes whose numbers are 1, 2, 3 … in their order.
@@ -206,13 +206,13 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     payload.half(); // 34: rows of its own
     payload.floats(8 + TERMS + TERMS); // from 35: scales; 43: nominal; 50: prior
     payload.word(); // 57: order
-    payload.floats(MAX_HARMONICS + 1); // from 58: weights; 61: slip
+    payload.floats(MAX_HARMONICS + 4); // from 58: weights; 61: slip; 62: needed score; 63, 64: limits of the smallest
     payload.word();
     payload.word();
     payload.word();
-    payload.word(); // 62 to 65: controls
-    payload.byte(); // 66: width of a cell
-    payload.floats(4); // from 67: slip, slowest, pole, high-pass
+    payload.word(); // 65 to 68: controls
+    payload.byte(); // 69: width of a cell
+    payload.floats(4); // from 70: slip, slowest, pole, high-pass
     let mut reader = Reader(&payload.bytes);
     // The classifier is missing.
     assert_eq!(read(&mut reader, small()).err(), Some(ModelError::Truncated));
@@ -240,11 +240,12 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     assert_eq!((balance.scale, balance.nominal, balance.prior), (from(35), from(43), from(50)));
     let order = &tracking.orders[0];
     assert_eq!((order.order_q16, order.weights, order.slip_ratio), (57, from(58), 61.0));
+    assert_eq!([order.needed_score, order.most_relative, order.most_a], from(62));
     let blocks = &tracking.blocks;
-    assert_eq!((blocks.controls.to_vec(), blocks.cell_turns_log2), ([62, 63, 64, 65].to_vec(), 66));
-    assert_eq!([blocks.slip, blocks.slowest_rad_s, blocks.pole, blocks.high_pass], from(67));
+    assert_eq!((blocks.controls.to_vec(), blocks.cell_turns_log2), ([65, 66, 67, 68].to_vec(), 69));
+    assert_eq!([blocks.slip, blocks.slowest_rad_s, blocks.pole, blocks.high_pass], from(70));
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = constants.evidence;
-    assert_eq!(([bet, limit, cap], segments_a_run, [log_mean, defect_log_mean]), (from(254), 257, from(258)));
+    assert_eq!(([bet, limit, cap], segments_a_run, [log_mean, defect_log_mean]), (from(262), 265, from(266)));
     assert_eq!(constants.labels.iter().map(Label::as_str).collect::<Vec<_>>(), ["good", "spall"]);
 }
 
@@ -258,18 +259,19 @@ fn classifier(payload: &mut Payload) {
     payload.floats(2 + 1 + 2 + 4 + 1); // from 85: means; 87: factor; 88: priors; 90: costs; 94: of a rejection
     payload.bytes.push(1); // the healthy class
     payload.floats(1 + 1 + 2 * KNOTS + 1); // from 95: mean; 96: factor; 97: law; 145: limit
-    payload.floats(1 + 2 * 2 * KNOTS); // 146: freedom; from 147: two laws
-    payload.floats(2); // from 243: segments of a usual run, margin
+    payload.floats(2 + 2 * 2); // 146: freedom; 147: acceptable; from 148: falls and reaches
+    payload.floats(2 * 2 * KNOTS); // from 152: two laws
+    payload.floats(2); // from 248: segments of a usual run, margin
     payload.bytes.extend([3, 4]); // runs that are learned
     payload.bytes.push(7); // the coordinate of the direction
     for place in 1..=4 {
         payload.bytes.push(place);
-        payload.floats(1); // from 245: weight in the background
+        payload.floats(1); // from 250: weight in the background
     }
-    payload.floats(5); // from 249: centre, and the law
-    payload.floats(3); // from 254: bet, limit, cap
-    payload.word(); // 257: segments a run
-    payload.floats(2); // from 258: means of the logarithms
+    payload.floats(5); // from 254: centre, and the law
+    payload.floats(3); // from 259: bet, limit, cap
+    payload.word(); // 262: segments a run
+    payload.floats(2); // from 263: means of the logarithms
     payload.text("good", 16);
     payload.text("spall", 16);
 }
@@ -291,20 +293,25 @@ fn numbers_of_classifier_and_alarm_are_in_the_order_of_the_format() {
         (&from::<2>(85)[..], &from::<1>(87)[..], &from::<2>(88)[..])
     );
     assert_eq!((&costs[..], *reject_cost), (&from::<4>(90)[..], 94.0));
-    let Novelty { class, mean, factor, knots, limit, freedom, laws, directions } = &classifier.novelty;
+    let Novelty { class, mean, factor, knots, limit, freedom, laws, directions, rises, acceptable } =
+        &classifier.novelty;
     assert_eq!((*class, &mean[..], &factor[..]), (Some(1), &from::<1>(95)[..], &from::<1>(96)[..]));
     assert_eq!((*knots, *limit, *freedom), (law(97), 145.0, 146.0));
-    assert_eq!(laws[..], [law(147), law(147 + 48)]);
-    assert_eq!((directions.usual_segments, directions.margin, directions.most_runs), (243.0, 244.0, 0x0403));
-    let background = |k: u8| Background { coordinate: k, weight: 244.0 + f32::from(k) };
+    assert_eq!(
+        (*acceptable, &rises[..]),
+        (147.0, &[Rise { fall: 148.0, reach: 149.0 }, Rise { fall: 150.0, reach: 151.0 }][..])
+    );
+    assert_eq!(laws[..], [law(152), law(152 + 48)]);
+    assert_eq!((directions.usual_segments, directions.margin, directions.most_runs), (248.0, 249.0, 0x0403));
+    let background = |k: u8| Background { coordinate: k, weight: 249.0 + f32::from(k) };
     let expected = crate::decide::Direction {
         coordinate: 7,
         background: [1, 2, 3, 4].map(background),
-        centre: 249.0,
-        between: 250.0,
-        run: 251.0,
-        segment: 252.0,
-        skewness: 253.0,
+        centre: 254.0,
+        between: 255.0,
+        run: 256.0,
+        segment: 257.0,
+        skewness: 258.0,
     };
     assert_eq!(directions.list, [expected]);
 }

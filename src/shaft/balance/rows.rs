@@ -49,6 +49,8 @@ const COLUMNS: usize = TERMS + 1;
 const PACKED: usize = COLUMNS * (COLUMNS - 1) / 2;
 /// Rows between two back substitutions.
 const ROWS_A_REFRESH: u8 = 16;
+/// Mean square of the filtered sign of a shaft that is at rest.
+const AT_REST: f32 = 0.04;
 /// Least c of (5): a smaller one consists of rounding errors.
 const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
 /// The terms of (1) in a plan without a load.
@@ -111,6 +113,19 @@ pub(in crate::shaft) struct Frictions {
 }
 
 impl Balance {
+    /// The part of the information on a parameter that is of the rows and not of its prior: c of (5), 0 … 1. That of
+    /// the drag is relative to what the priors of its terms say of it.
+    #[must_use]
+    pub fn part_of_rows(&self, friction: &Friction, term: FrictionTerm) -> f32 {
+        let deviation = friction.of(term).map_or(0.0, |parameter| parameter.deviation);
+        let prior = match self.prior.get(term as usize) {
+            Some(prior) => prior * prior,
+            None => pairs(self.in_drag(), &self.prior).map(|(weight, prior)| weight * prior * weight * prior).sum(),
+        };
+        let ratio = self.deviation * self.deviation / friction.variance.max(f32::MIN_POSITIVE);
+        (1.0 - ratio * deviation * deviation / prior).max(0.0)
+    }
+
     /// A parameter as the rows of a segment alone determine it, and its variance: without its prior, by (5), for
     /// features of a classifier. The drag keeps the priors of its terms; a parameter that was not estimated is 0
     /// without error.
@@ -119,10 +134,11 @@ impl Balance {
     pub fn without_prior(&self, friction: &Friction, term: FrictionTerm) -> (f32, f32) {
         let Parameter { value, deviation, score } = *friction.of(term).unwrap_or(&Parameter::NONE);
         let variance = deviation * deviation;
-        let Some(prior) = self.prior.get(term as usize) else { return (value, variance) };
-        let ratio = self.deviation / prior;
+        if self.prior.get(term as usize).is_none() {
+            return (value, variance);
+        }
         // f32::max returns the limit if the part is not a number.
-        let part = (1.0 - ratio * ratio * variance / friction.variance.max(f32::MIN_POSITIVE)).max(LEAST_FROM_ROWS);
+        let part = self.part_of_rows(friction, term).max(LEAST_FROM_ROWS);
         // The score is p − n in deviations.
         (value + score * deviation * (1.0 / part - 1.0), variance / part)
     }
@@ -244,6 +260,23 @@ impl BalanceSums {
             place = place.wrapping_add(last).wrapping_sub(k);
         }
         sum / self.d.get(last).copied().unwrap_or(0.0)
+    }
+
+    /// Whether the shaft hardly moved: the mean square of the filtered sign (2) of the velocity over the rows is below
+    /// that of a fifth of `ω_r`, which is more than the noise of the velocity leaves of it behind the filter.
+    #[inline(never)]
+    pub(in crate::shaft) fn is_at_rest(&self, balance: &Balance, load: bool) -> bool {
+        const SIGN: usize = 2;
+        let columns = columns(load);
+        // The sum of squares of a column by the factor, less the weight of its prior.
+        let above = |k: usize| {
+            let r = self.r.get(packed(columns, k, SIGN)).copied().unwrap_or(0.0);
+            self.d.get(k).copied().unwrap_or(0.0) * r * r
+        };
+        let scale = balance.scale_of(SIGN);
+        let ratio = balance.deviation * scale / balance.prior.get(SIGN).copied().unwrap_or(1.0);
+        let own = self.d.get(SIGN).copied().unwrap_or(0.0) - balance.row_spread * ratio * ratio;
+        above(0) + above(1) + own < AT_REST * scale * scale * self.rows as f32
     }
 
     /// Scaled parameter k by back substitution; `later` holds those after it.

@@ -29,13 +29,26 @@ pub struct TrackedOrder {
     /// Relative change of this order for a relative change of one of the cage's order. Ball passes of the outer ring
     /// have 1, those of the inner ring −outer/inner.
     pub slip_ratio: f32,
+    /// The expected score of the smallest defect that counts as found.
+    pub needed_score: f32,
+    /// Largest amplitude of that defect, over the deviation of the noise at the order, with which the order still has a
+    /// result: beyond it the shaft has turned too little.
+    pub most_relative: f32,
+    /// Largest amplitude of that defect, A, with which a segment may be called healthy: beyond it the noise is too
+    /// large.
+    pub most_a: f32,
 }
 
+/// [`TrackedOrder::needed_score`] of an order of which no gate is known.
+const PLAIN_SCORE: f32 = 4.0;
+
 impl TrackedOrder {
-    /// From the order in events a turn, at most 1e4, and the weights of the harmonics; it slips as the cage does.
+    /// From the order in events a turn, at most 1e4, and the weights of the harmonics; it slips as the cage does. Any
+    /// segment has a result.
     #[must_use]
     pub const fn new(order: f32, weights: [f32; MAX_HARMONICS]) -> Self {
-        Self { order_q16: q16(order), weights, slip_ratio: 1.0 }
+        let (needed_score, most_relative, most_a) = (PLAIN_SCORE, f32::INFINITY, f32::INFINITY);
+        Self { order_q16: q16(order), weights, slip_ratio: 1.0, needed_score, most_relative, most_a }
     }
 
     /// The order in events a turn.

@@ -7,6 +7,7 @@
 //! bearing     orders from the geometry            blocks   orders to track, cells of the angle
 //! residual    the residual, whitened ─► tracking ─► line: block phasors and their products ─► slip
 //!                                         └─ noise: the control orders ───────────────────────▲
+//! sight       the smallest defect that a segment shows
 //! ```
 
 mod bearing;
@@ -16,6 +17,7 @@ mod noise;
 mod phasor;
 mod residual;
 mod response;
+mod sight;
 mod slip;
 mod tracking;
 

@@ -44,6 +44,7 @@ use super::blocks::{LAGS, PLACES, TrackedOrder};
 use super::line::LineSums;
 use super::noise::NoiseLine;
 use super::phasor::phasor;
+use super::sight::{self, ProminenceLaw};
 use crate::logarithm::ln;
 use crate::plan::MAX_HARMONICS;
 use crate::regression::factor::pairs;
@@ -67,6 +68,13 @@ pub struct OrderStrength {
     pub slip: f32,
     /// Standard deviation (6) of the slip, if there is a defect.
     pub slip_deviation: f32,
+    /// Amplitude of the smallest defect that this segment shows, of [`super::sight`], in units of the residual;
+    /// infinite if it shows none.
+    pub smallest: f32,
+    /// The same over the deviation of the noise: how much the shaft has turned, without the noise.
+    pub smallest_relative: f32,
+    /// Whether the shaft has turned too little for a result ([`TrackedOrder::most_relative`]).
+    pub unseen: bool,
 }
 
 /// Products d h in (1): phases of its terms, in ψ.
@@ -100,6 +108,8 @@ pub(in crate::shaft) struct Search {
     uncertain: f32,
     /// The first sum of (7).
     slopes: f32,
+    /// The prominence that a first harmonic of the size of the noise adds.
+    gain: f32,
     /// The largest P, its slip, and −P″ (6) a squared step.
     best: f32,
     slip: f32,
@@ -116,7 +126,8 @@ impl Search {
         let peak = power.peak(range.turns(order));
         let (shift, curvature, best) = peak.vertex();
         let slip = (f32::from(peak.at) + shift) * range.slip / f32::from(SIDE);
-        Self { pairs: of_pairs, variance, uncertain, slopes: power.slopes, best, slip, curvature }
+        let gain = sight::gain(sums, of_pairs.coherent, noise, order);
+        Self { pairs: of_pairs, variance, uncertain, slopes: power.slopes, gain, best, slip, curvature }
     }
 
     /// What the largest P says.
@@ -131,9 +142,15 @@ impl Search {
         let slope_deviation = turning * libm::sqrtf(self.slopes * self.pairs.spread * crossed) / total; // (7)
         let step = range.slip / f32::from(SIDE);
         let slip_deviation = slope_deviation * step * step / self.curvature; // (6)
+        let law = self.law(sums, order, range);
+        let smallest_relative = law.smallest(order.needed_score, self.gain);
         OrderStrength {
             prominence,
-            score: self.score(sums, order, range, prominence),
+            score: law.score(prominence),
+            smallest: smallest_relative * libm::sqrtf(self.variance),
+            smallest_relative,
+            // Written so that a value that is not a number shows nothing.
+            unseen: !(smallest_relative <= order.most_relative),
             amplitude: 2.0 * libm::sqrtf(power), // (8)
             deviation: 2.0 * libm::sqrtf(self.variance / total),
             slip: self.slip,
@@ -141,9 +158,9 @@ impl Search {
         }
     }
 
-    /// (5).
+    /// The law of the prominence, as (5) has it.
     #[inline(never)]
-    fn score(&self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange, prominence: f32) -> f32 {
+    fn law(&self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) -> ProminenceLaw {
         let Pairs { square, noise, spread, .. } = self.pairs;
         let ([w1, w2, w3], [total, ..]) = (order.weights, sums.weight);
         let (weights, squares) = (w1 + w2 + w3, w1 * w1 + w2 * w2 + w3 * w3);
@@ -152,13 +169,14 @@ impl Search {
         let steady = square / noise;
         let varying = spread / (noise * (1.0 - steady)).max(f32::MIN_POSITIVE);
         let log_slips = ln(1.0 + 4.0 * PI * range.turns(order).abs() * libm::sqrtf(varying));
-        // The cube root of libm works in double precision, which the chip does in software.
-        let root = if prominence > f32::MIN_POSITIVE { libm::expf(ln(prominence) / 3.0) } else { 0.0 };
         let of_slips = libm::sqrtf((relative * (1.0 - steady)).max(0.0));
-        let excess = (1.0 - self.uncertain) * root - 1.0 + relative - 0.7 * of_slips * log_slips;
         let of_largest = of_slips / (1.0 + 0.2 * log_slips);
-        let variance = of_largest * of_largest + relative * steady + self.uncertain * root * root;
-        excess / libm::sqrtf(variance)
+        ProminenceLaw {
+            relative,
+            usual: 1.0 - relative + 0.7 * of_slips * log_slips,
+            variance: of_largest * of_largest + relative * steady,
+            uncertain: self.uncertain,
+        }
     }
 
     /// |A|² of (8).
@@ -188,13 +206,15 @@ struct Pairs {
     spread: f32,
     /// Σ (1 − d/7) V(d).
     steady: f32,
+    /// V(0) + 2 Σ (1 − d/7) V(d).
+    coherent: f32,
 }
 
 impl Pairs {
     /// The sums of (4), (7), (8) and (9).
     #[inline(never)]
     fn of([square, lags @ ..]: [f32; LAGS + 1]) -> Self {
-        let mut sums = Self { square, squares: 0.0, noise: square, spread: 0.0, steady: 0.0 };
+        let mut sums = Self { square, squares: 0.0, noise: square, spread: 0.0, steady: 0.0, coherent: 0.0 };
         for (d, pair) in (1_u8..).zip(lags) {
             let far = f32::from(d);
             let t = taper(far);
@@ -205,6 +225,7 @@ impl Pairs {
             sums.spread += twice * far * far;
         }
         sums.squares /= square * square;
+        sums.coherent = square + 2.0 * sums.steady;
         sums
     }
 }

@@ -116,6 +116,8 @@ impl Embedded {
             distance: report.decision.as_ref().map_or(0.0, |decision| decision.distance),
             distance_surprise: report.decision.as_ref().map_or(0.0, |decision| decision.distance_surprise),
             surprise: report.decision.as_ref().map_or(0.0, |decision| decision.surprise),
+            most: report.decision.as_ref().and_then(|decision| decision.most),
+            smallest: self.smallest(report),
             delta: estimate.map_or_else(Vec::new, |estimate| estimate.delta().to_vec()),
             raw: estimate.map_or_else(Vec::new, |estimate| estimate.raw()),
             variance: estimate.map_or(0.0, |estimate| estimate.variance),
@@ -133,6 +135,22 @@ impl Embedded {
             start: 0,
             length: 0,
         }
+    }
+
+    /// The feature of a coordinate; `None` if a projection mixes features.
+    #[must_use]
+    pub fn feature_of(&self, coordinate: usize) -> Option<Feature> {
+        let classifier = &self.model.constants().classifier;
+        let (place, _) = classifier.projection.only(coordinate)?;
+        classifier.features.get(place).copied()
+    }
+
+    /// The smallest defects of a report with the features that rise with them.
+    fn smallest(&self, report: &Report<RunTime>) -> Vec<(Feature, f32)> {
+        let sizes = report.smallest();
+        let first = usize::from(self.model.plan().layout().coordinates) - sizes.len();
+        let of = |(k, size): (usize, &f32)| self.feature_of(first + k).map(|feature| (feature, *size));
+        sizes.iter().enumerate().filter_map(of).collect()
     }
 
     /// Constants of the shaft, if it is watched.

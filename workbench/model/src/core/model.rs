@@ -5,7 +5,7 @@ use bearing_watch::model::{
     Regression, Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Kind, Layout, Plan, RegressionLayout, RunTime, ShaftLayout};
-use bearing_watch::{FrictionTerm, Model, ModelError};
+use bearing_watch::{Model, ModelError};
 
 /// The parts of a detector that estimate.
 #[derive(Clone, Debug)]
@@ -48,7 +48,7 @@ impl Parts {
             features.push(Feature::Parameter(0));
         }
         if let Some((shaft, _)) = &self.shaft {
-            features.push(Feature::Friction(FrictionTerm::Inertia));
+            features.push(Feature::LogFrictionVariance);
             features.extend((shaft.orders > 0).then_some(Feature::OrderScore(0)));
         }
         features.extend((0..16).filter(|place| (self.averaged >> place) & 1 == 1).map(Feature::ChannelMean));

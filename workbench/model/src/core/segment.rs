@@ -1,6 +1,6 @@
 //! What the detector reported on one segment of a trace.
 
-use bearing_watch::model::{Feature, FeatureValue};
+use bearing_watch::model::{Feature, FeatureValue, Most};
 use bearing_watch::shaft::{Friction, OrderStrength};
 use bearing_watch::{Average, Counts, Reason, Verdict};
 
@@ -25,6 +25,11 @@ pub struct SegmentReport {
     pub distance_surprise: f32,
     /// The same of the distance and of coordinates that rise with a defect, which the gate compares.
     pub surprise: f32,
+    /// The coordinate that departs most from healthy.
+    pub most: Option<Most>,
+    /// The smallest defect that the segment would have shown, of each feature that rises with one: a part of the usual
+    /// friction, or the amplitude at an order, A; infinite where it shows none.
+    pub smallest: Vec<(Feature, f32)>,
     /// δ-parameters.
     pub delta: Vec<f32>,
     /// a₁…, b₁…, c₁…, constant.
@@ -70,6 +75,7 @@ impl SegmentReport {
             distance: 0.0,
             distance_surprise: 0.0,
             surprise: 0.0,
+            most: None,
             ..self
         }
     }

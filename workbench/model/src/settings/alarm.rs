@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::choices::Novelty;
 use super::merge::merges;
 use crate::Error;
-use crate::train::{AlarmInterval, Alarms};
+use crate::train::{ACCEPTABLE, AlarmInterval, Alarms};
 
 /// Names of the healthy class if none is given.
 pub const HEALTHY_NAMES: [&str; 2] = ["healthy", "normal"];
@@ -55,6 +55,11 @@ pub struct Alarm {
     /// those of the next drive
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub other_drive: bool,
+    /// A segment is called healthy if the smallest defect that it would have shown is at most so many times the usual
+    /// one of the training records; 2 if not given
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "TIMES")))]
+    pub acceptable: Option<f64>,
     /// Priors, e.g. healthy=0.98,spall=0.01,roughness=0.01; equal if not given
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "CLASS=P", "x-pairs" = true)))]
@@ -74,6 +79,7 @@ merges!(Alarm {
     alarm_interval_segments,
     segments_a_run,
     other_drive,
+    acceptable,
     priors,
     cost
 });
@@ -124,6 +130,13 @@ impl Alarm {
         if asked && healthy.or(only).is_none() {
             return Err(Error::Usage("a false-alarm rate needs a healthy class; name it by --healthy".into()));
         }
+        let acceptable = self.acceptable.unwrap_or(ACCEPTABLE);
+        // Written so that NaN is refused.
+        if !(acceptable > 1.0) {
+            return Err(Error::Usage(format!(
+                "--acceptable {acceptable}: a multiple above 1 of the usual smallest defect"
+            )));
+        }
         Ok(Alarms {
             healthy: healthy.or(only),
             false_alarm: self.false_alarm.unwrap_or(FALSE_ALARM),
@@ -133,6 +146,7 @@ impl Alarm {
             interval,
             segments_a_run: self.segments_a_run.map(NonZeroU32::get),
             other_drive: self.other_drive,
+            acceptable,
         })
     }
 }

@@ -70,6 +70,7 @@ const ALARM: &[&str] = &[
     "alarm_interval_segments",
     "segments_a_run",
     "other_drive",
+    "acceptable",
 ];
 
 impl Use {

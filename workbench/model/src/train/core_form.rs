@@ -61,7 +61,8 @@ impl Trained {
         };
         let labels = self.classes.iter().map(label).collect::<Result<_, _>>()?;
         let sampling = self.sampling()?;
-        self.parts.model(plan, sampling, classifier, self.watch.evidence, labels).map_err(refused)
+        let parts = self.sight.parts(&self.parts);
+        parts.model(plan, sampling, classifier, self.watch.evidence, labels).map_err(refused)
     }
 
     fn sampling(&self) -> Result<Sampling, Error> {
@@ -82,7 +83,8 @@ impl Trained {
             novelty.factor = gate.factor();
             novelty.knots = gate.knots.map(|knot| knot.map(|x| x as f32));
             if let Some(rising) = &gate.rising {
-                (novelty.laws, novelty.freedom) = (rising.core(gate.limit), rising.freedom as f32);
+                (novelty.laws, novelty.rises) = (rising.core(gate.limit), rising.rises(gate.limit));
+                (novelty.freedom, novelty.acceptable) = (rising.freedom as f32, self.recipe.alarms.acceptable as f32);
             }
             novelty.limit = gate.limit as f32;
         }

@@ -13,7 +13,7 @@ use super::estimating::{Estimating, estimating};
 use super::left_out::{Estimated, LeftOut};
 use super::novelty::{self, Rows};
 use super::pieces::{cut, spans};
-use super::{Candidates, Explained, FeatureTable, Recipe, Shrink, Trained, core_features, fit, segment};
+use super::{Candidates, Explained, FeatureTable, Recipe, Shrink, Sight, Trained, core_features, fit, segment};
 use crate::Error;
 use crate::core::Parts;
 use crate::core::features::{self, Catalogue};
@@ -181,6 +181,7 @@ impl<'a> Estimates<'a> {
             choice,
             candidates,
             watch,
+            sight: Sight::default(),
             core_features,
             core_covariates,
             core_projection,

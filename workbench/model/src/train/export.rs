@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use bearing_watch::model::{
     Background, Balance, Blocks, Channel, Classifier, Covariate, Covariates, Direction, Directions, EvidenceConstants,
-    Feature, KNOTS, Law, Regression, Sampling, ShaftConstants,
+    Feature, KNOTS, Law, Regression, Rise, Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
 use bearing_watch::{FrictionTerm, Park};
@@ -116,6 +116,7 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: 
     if layout.directions > 0 {
         model.extend(["Background", "Direction"]);
     }
+    model.extend((layout.rising > 0).then_some("Rise"));
     let mut plan = vec!["Kind", "Layout"];
     if layout.regression.is_some() {
         model.extend(["Forgetting", "Regression"]);
@@ -286,7 +287,11 @@ fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
     for order in &tracking.orders {
         let weights = list(&order.weights);
         let (order_q16, ratio) = (order.order_q16, number(order.slip_ratio));
-        out.line(4, &format!("TrackedOrder {{ order_q16: {order_q16}, weights: {weights}, slip_ratio: {ratio} }},"));
+        let [needed, relative, most] = [order.needed_score, order.most_relative, order.most_a].map(number);
+        out.line(4, "TrackedOrder {");
+        out.line(5, &format!("order_q16: {order_q16}, weights: {weights}, slip_ratio: {ratio},"));
+        out.line(5, &format!("needed_score: {needed}, most_relative: {relative}, most_a: {most},"));
+        out.line(4, "},");
     }
     out.line(3, "],");
     let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole, high_pass } = &tracking.blocks;
@@ -325,7 +330,8 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
     match novelty.class {
         None => {
             let sizes = format!("mean: [0.0; {z}], factor: [0.0; {}]", layout.density());
-            let rest = format!("knots: [[0.0; 2]; {KNOTS}], laws: [], freedom: 1.0, limit: f32::INFINITY");
+            let law = format!("knots: [[0.0; 2]; {KNOTS}], laws: [], rises: []");
+            let rest = format!("{law}, freedom: 1.0, acceptable: f32::INFINITY, limit: f32::INFINITY");
             let none = "directions: Directions::NONE";
             out.line(2, &format!("novelty: Novelty {{ class: None, {sizes}, {rest}, {none} }},"));
         }
@@ -336,7 +342,13 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
             out.triangles(3, "factor", &novelty.factor, z);
             curve(out, 3, "knots: ", &novelty.knots);
             laws(out, &novelty.laws);
+            let rises = novelty
+                .rises
+                .iter()
+                .map(|Rise { fall, reach }| format!("Rise {{ fall: {}, reach: {} }}", number(*fall), number(*reach)));
+            out.line(3, &format!("rises: [{}],", rises.collect::<Vec<_>>().join(", ")));
             out.line(3, &format!("freedom: {},", number(novelty.freedom)));
+            out.line(3, &format!("acceptable: {},", number(novelty.acceptable)));
             out.line(3, &format!("limit: {},", number(novelty.limit)));
             directions(out, &novelty.directions);
             out.line(2, "},");

@@ -58,6 +58,7 @@ mod shaft;
 mod shaft_plan;
 mod shrinkage;
 mod shrinkage_search;
+mod sight;
 pub mod statistics;
 mod table;
 mod trained;
@@ -82,7 +83,7 @@ pub use folds::{Candidates, Folds, Validation};
 pub use forward::Forward;
 pub use left_out::LeftOut;
 pub use matrix::{Matrix, RowClassifier, RowGate};
-pub use novelty::{AlarmInterval, Alarms, Watch};
+pub use novelty::{ACCEPTABLE, AlarmInterval, Alarms, Watch};
 pub use pieces::cut;
 pub use projection::{Keep, ProjectionKind};
 pub use ranking::{Gain, Ranked, Ranking, rank};
@@ -92,6 +93,7 @@ pub use scores::{Bin, Decomposition, Prediction, Score, Scores};
 pub use shaft_plan::ShaftPlan;
 pub use shrinkage::{Shrink, Shrinkage};
 pub use shrinkage_search::{Choice, GridPoint};
+pub use sight::{OrderSight, Sight};
 pub use statistics::ClassStatistics;
 pub use table::{AffineMap, FeatureTable};
 pub use trained::Trained;
@@ -126,7 +128,10 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         Ok(Trained { automatic: Some(why), ..estimates.train(&chosen)? })
     };
     match (trained(), &dependence) {
-        (Ok(trained), _) => Ok(Trained { dependence, ..trained }),
+        (Ok(trained), _) => {
+            let sight = estimates.sight(&trained)?;
+            Ok(Trained { dependence, sight, ..trained })
+        }
         (Err(Error::Training(problem)), Some(found)) => Err(Error::Training(format!("{}; {problem}", found.line()))),
         (Err(problem), _) => Err(problem),
     }

@@ -6,7 +6,7 @@ use nalgebra::DVector;
 
 use super::{
     AffineMap, Automatic, Candidates, Choice, ClassStatistics, Dependence, Doubted, Explained, FeatureTable,
-    GaussianClasses, LeftOut, Recipe, Watch,
+    GaussianClasses, LeftOut, Recipe, Sight, Watch,
 };
 use crate::core::Parts;
 
@@ -47,6 +47,8 @@ pub struct Trained {
     pub candidates: Candidates,
     /// Novelty gate and alarm.
     pub watch: Watch,
+    /// What segments show of each bearing order.
+    pub sight: Sight,
     /// The core's features.
     pub core_features: Vec<Feature>,
     /// The core's covariates.

@@ -37,7 +37,13 @@ pub struct Alarms {
     pub segments_a_run: Option<u32>,
     /// Whether the groups of the validation are drives, and the model is for another one, whose offset lasts.
     pub other_drive: bool,
+    /// The smallest defect that a segment shows may be so many times the usual one of training; with a larger one the
+    /// segment is not called healthy.
+    pub acceptable: f64,
 }
+
+/// [`Alarms::acceptable`] if it is not given.
+pub const ACCEPTABLE: f64 = 2.0;
 
 impl Default for Alarms {
     fn default() -> Self {
@@ -52,6 +58,7 @@ impl Default for Alarms {
             interval,
             segments_a_run: None,
             other_drive: false,
+            acceptable: ACCEPTABLE,
         }
     }
 }

@@ -41,7 +41,7 @@ use super::{GaussianClasses, Recipe};
 use crate::Error;
 pub use alarm::BET;
 use alarms::segments_between;
-pub use alarms::{AlarmInterval, Alarms};
+pub use alarms::{ACCEPTABLE, AlarmInterval, Alarms};
 pub use gate::Gate;
 use gate::GateOrReason;
 pub use least_rows::fewest;

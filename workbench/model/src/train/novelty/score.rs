@@ -92,6 +92,12 @@ impl ScoreLaw {
         self.excess.as_ref().map_or(by_law, |excess| LN_2 + excess.surprise(by_law - LN_2))
     }
 
+    /// Returns the law of −U.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        Self { parts: self.parts.iter().map(|(part, law)| (*part, law.mirrored())).collect(), ..self.clone() }
+    }
+
     /// Returns the u of a surprise, from `below` on: where the surprise is not larger.
     #[must_use]
     pub fn at(&self, surprise: f64, below: f64) -> f64 {
@@ -131,6 +137,10 @@ impl Skewed {
         let deviation = ((squared - mean * mean) / (scale * second)).sqrt();
         let ln_student = -0.5 * degrees.ln() - ln_beta(0.5 * degrees, 0.5);
         Self { degrees, skewness, mean, deviation, ln_height: ln_student + (2.0 / (g + inverse) * deviation).ln() }
+    }
+
+    fn mirrored(self) -> Self {
+        Self { skewness: 1.0 / self.skewness, mean: -self.mean, ..self }
     }
 
     /// P(U ≥ u).
@@ -185,6 +195,16 @@ mod tests {
                 // One step of the rule at the edge.
                 assert!((tail - law.beyond(u)).abs() < 2e-3, "{tail} for {}", law.beyond(u));
             }
+        }
+    }
+
+    #[test]
+    fn the_mirrored_law_has_the_tail_below_the_mean() {
+        let skewed = ScoreLaw { parts: vec![(1.0, law(0.1, 1.6))], excess: None };
+        for u in [-1.0, 0.0, 0.5, 2.0] {
+            let [below, above] = [-skewed.mirrored().surprise(u), -skewed.surprise(-u)].map(f64::exp);
+            // The rounding of the beta function.
+            assert!((below + above - 1.0).abs() < 1e-12, "{u}: {below} {above}");
         }
     }
 
