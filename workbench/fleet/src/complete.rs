@@ -11,7 +11,7 @@ use model::core::features::Catalogue;
 use model::trace::Preparation;
 use model::train::discriminant::{of_statistics, shrunk};
 use model::train::novelty::of_sums;
-use model::train::{Candidates, FeatureTable, Recipe, Shrink, Trained, compose};
+use model::train::{Candidates, FeatureTable, Recipe, Shrink, Sight, Trained, compose};
 
 impl Fit {
     /// Trains the gate and completes the model; also returns the preparation that the detector does not do itself.
@@ -66,6 +66,7 @@ impl Fit {
                 covariates: None,
             },
             watch,
+            sight: Sight::default(),
             core_features: core_features(&catalogue, &used),
             core_covariates: Covariates { list: vec![], map: vec![] },
             core_projection,
@@ -75,6 +76,9 @@ impl Fit {
             interval_s: if inside { recorded_s } else { interval_s },
             block_mean: if inside { preparation.block_mean } else { 1 },
         };
+        // Features alone do not say what segments show.
+        let sight = Sight { orders: trained.needed_scores() };
+        let trained = Trained { sight, ..trained };
         Ok((trained, if inside { Preparation::NONE } else { preparation }))
     }
 

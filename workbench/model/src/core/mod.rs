@@ -14,6 +14,7 @@ pub mod features;
 pub mod identifiers;
 mod model;
 mod segment;
+pub mod sight;
 mod stream;
 mod watch;
 mod wiring;
