@@ -69,7 +69,7 @@ impl<P: Plan> Classification<P> {
     }
 
     /// The coordinates and the variances of their errors, once they are there.
-    fn coordinates(&self) -> (&[f32], &[f32]) {
+    pub(crate) fn coordinates(&self) -> (&[f32], &[f32]) {
         (self.coordinates.cells(), self.variances.cells())
     }
 

@@ -8,7 +8,7 @@
 // Novel beyond distance 3.79 from healthy, or by one of order_inner alone: false-alarm rate 0.01 a segment by 60 segments (Gaussian with probability 0.67, else heavier tails); false alarms every 1.500e6 segments for 95 % of such training sets; segments count as independent; each adds at most 7.7 of 15.3 nats.
 
 #[rustfmt::skip]
-use bearing_watch::model::{Balance, Blocks, Channel, Classifier, Constants, Covariates, Directions, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking};
+use bearing_watch::model::{Balance, Blocks, Channel, Classifier, Constants, Covariates, Directions, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Lags, Novelty, Projection, Regression, Rise, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking};
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout, Structure};
 use bearing_watch::{FrictionTerm, Model};
 
@@ -89,10 +89,22 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
         },
         tracking: Tracking {
             orders: [
-                TrackedOrder { order_q16: 243659, weights: [1.0, 0.5, 0.25], slip_ratio: 1.0 },
-                TrackedOrder { order_q16: 346165, weights: [1.0, 0.5, 0.25], slip_ratio: -0.7038814 },
-                TrackedOrder { order_q16: 180077, weights: [1.0, 0.5, 0.25], slip_ratio: 1.0 },
-                TrackedOrder { order_q16: 27073, weights: [1.0, 0.5, 0.25], slip_ratio: 1.0 },
+                TrackedOrder {
+                    order_q16: 243659, weights: [1.0, 0.5, 0.25], slip_ratio: 1.0,
+                    needed_score: 4.0, most_relative: f32::INFINITY, most_a: f32::INFINITY,
+                },
+                TrackedOrder {
+                    order_q16: 346165, weights: [1.0, 0.5, 0.25], slip_ratio: -0.7038814,
+                    needed_score: 2.839658, most_relative: f32::INFINITY, most_a: f32::INFINITY,
+                },
+                TrackedOrder {
+                    order_q16: 180077, weights: [1.0, 0.5, 0.25], slip_ratio: 1.0,
+                    needed_score: 4.0, most_relative: f32::INFINITY, most_a: f32::INFINITY,
+                },
+                TrackedOrder {
+                    order_q16: 27073, weights: [1.0, 0.5, 0.25], slip_ratio: 1.0,
+                    needed_score: 4.0, most_relative: f32::INFINITY, most_a: f32::INFINITY,
+                },
             ],
             blocks: Blocks {
                 controls: [40659, 111253, 413858, 950430],
@@ -179,7 +191,9 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
                     [5579.699, 20.25], [14070.8, 21.855625], [37716.9, 23.5225], [92157.8, 25.0],
                 ],
             ],
+            rises: [Rise { fall: 0.0, reach: 0.0 }, Rise { fall: 1.0, reach: 4.0346045 }],
             freedom: 59.0,
+            acceptable: 2.0,
             limit: 4.6051702,
             directions: Directions::NONE,
         },

@@ -96,7 +96,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
             ],
             reject_cost: f32::INFINITY,
         },
-        novelty: Novelty { class: None, mean: [0.0; 5], factor: [0.0; 15], knots: [[0.0; 2]; 24], laws: [], freedom: 1.0, limit: f32::INFINITY, directions: Directions::NONE },
+        novelty: Novelty { class: None, mean: [0.0; 5], factor: [0.0; 15], knots: [[0.0; 2]; 24], laws: [], rises: [], freedom: 1.0, acceptable: f32::INFINITY, limit: f32::INFINITY, directions: Directions::NONE },
     },
     evidence: EvidenceConstants::NONE,
     labels: [Label::constant("healthy"), Label::constant("spall"), Label::constant("roughness")],

@@ -142,7 +142,9 @@ fn gated(c: &mut Constants<Drive>) {
         factor: std::array::from_fn(|k| 1.0 / (1 + k) as f32),
         knots: std::array::from_fn(|k| [2.0 * k as f32, k as f32]),
         laws: [],
+        rises: [],
         freedom: 1.0,
+        acceptable: f32::INFINITY,
         limit: 4.6,
         directions: Directions::NONE,
     };

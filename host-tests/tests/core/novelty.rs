@@ -44,6 +44,8 @@ pub(super) fn core(gate: &Gate) -> Novelty<RunTime> {
         factor: gate.factor(),
         knots: gate.knots.map(|knot| knot.map(|x| x as f32)),
         laws: gate.rising.as_ref().map_or_else(Vec::new, |rising| rising.core(gate.limit)),
+        rises: gate.rising.as_ref().map_or_else(Vec::new, |rising| rising.rises(gate.limit)),
+        acceptable: f32::INFINITY,
         freedom: gate.rising.as_ref().map_or(1.0, |rising| rising.freedom as f32),
         limit: gate.limit as f32,
         directions: Directions { list: vec![], usual_segments: 1.0, margin: 1.645, most_runs: 60 },

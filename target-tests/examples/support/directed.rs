@@ -100,6 +100,8 @@ pub static MODEL: Model<Directed> = match Directed::model(Constants {
             factor: UNIT_FACTOR,
             knots: LAW,
             laws: [],
+            rises: [],
+            acceptable: f32::INFINITY,
             freedom: 100.0,
             limit: f32::INFINITY,
             directions: Directions {

@@ -11,7 +11,7 @@ use super::life::Life;
 use super::options::Taken;
 use super::output;
 use model::Error;
-use model::core::{Embedded, SegmentReport, Watched, denied, features, stuck_channels};
+use model::core::{Embedded, Finding, SegmentReport, Watched, denied, features, sight, stuck_channels};
 use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
 use model::settings::Settings;
@@ -84,7 +84,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
                     + &without(&missing(&model, &notes.orders, segment))
                     + &beyond(&outside(&model, &notes.orders, segment))
                     + &shaft(&notes.orders, segment)
-                    + &if gated { far(segment, watched) } else { "".into() },
+                    + &if gated { far(segment, watched) } else { "".into() }
+                    + &seen(&model, &notes.orders, segment),
             )?;
             if let (Some(alarm), Some(cause), false) = (watched.alarm, model.cause(watched, &notes.orders), raised) {
                 raised = true;
@@ -172,6 +173,22 @@ impl Args {
         };
         let further = further_columns(model.model(), &notes.channels, "--rows")?;
         output::write(file, raw_rows(trace, front_end, &further)?)
+    }
+}
+
+/// Returns what a healthy segment would have shown, and by what one that is not healthy departs most.
+fn seen(model: &Embedded, orders: &[String], segment: &SegmentReport) -> String {
+    match &segment.verdict {
+        Ok(Finding::Class(class)) if Some(*class) == model.healthy() => {
+            let shown = sight::smallest(model, orders, std::iter::once(&segment.smallest[..]));
+            match sight::sentences(model, &shown) {
+                [found, _] if found.is_empty() => String::new(),
+                [found, unseen] if unseen.is_empty() => format!("; {found} would have been found"),
+                [found, unseen] => format!("; {found} would have been found; not looked at: {unseen}"),
+            }
+        }
+        Ok(_) => sight::most(model, orders, segment).map_or_else(String::new, |most| format!(", most by {most}")),
+        Err(_) => String::new(),
     }
 }
 

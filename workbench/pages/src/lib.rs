@@ -30,7 +30,6 @@ pub mod audit;
 mod chosen;
 pub mod cogging;
 pub mod conclusion;
-mod departing;
 pub mod escape;
 pub mod evaluation;
 pub mod life;

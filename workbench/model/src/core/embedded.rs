@@ -137,20 +137,10 @@ impl Embedded {
         }
     }
 
-    /// The feature of a coordinate; `None` if a projection mixes features.
-    #[must_use]
-    pub fn feature_of(&self, coordinate: usize) -> Option<Feature> {
-        let classifier = &self.model.constants().classifier;
-        let (place, _) = classifier.projection.only(coordinate)?;
-        classifier.features.get(place).copied()
-    }
-
-    /// The smallest defects of a report with the features that rise with them.
-    fn smallest(&self, report: &Report<RunTime>) -> Vec<(Feature, f32)> {
-        let sizes = report.smallest();
-        let first = usize::from(self.model.plan().layout().coordinates) - sizes.len();
-        let of = |(k, size): (usize, &f32)| self.feature_of(first + k).map(|feature| (feature, *size));
-        sizes.iter().enumerate().filter_map(of).collect()
+    /// The smallest defects of a report with the coordinates that rise with them.
+    fn smallest(&self, report: &Report<RunTime>) -> Vec<(u8, f32)> {
+        let layout = self.model.plan().layout();
+        (layout.coordinates - layout.rising..layout.coordinates).zip(report.smallest().iter().copied()).collect()
     }
 
     /// Constants of the shaft, if it is watched.

@@ -27,9 +27,9 @@ pub struct SegmentReport {
     pub surprise: f32,
     /// The coordinate that departs most from healthy.
     pub most: Option<Most>,
-    /// The smallest defect that the segment would have shown, of each feature that rises with one: a part of the usual
-    /// friction, or the amplitude at an order, A; infinite where it shows none.
-    pub smallest: Vec<(Feature, f32)>,
+    /// The smallest defect that the segment would have shown, of each coordinate that rises with one: a part of the
+    /// usual friction, or the amplitude at an order, A; infinite where it shows none.
+    pub smallest: Vec<(u8, f32)>,
     /// δ-parameters.
     pub delta: Vec<f32>,
     /// a₁…, b₁…, c₁…, constant.

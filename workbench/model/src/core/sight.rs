@@ -2,8 +2,8 @@
 
 use bearing_watch::model::Feature;
 
-use super::Embedded;
 use super::features::FRICTION;
+use super::{Embedded, SegmentReport};
 use crate::train::directions::in_words;
 
 /// Place of 1/Kt in the parameters of the torque balance.
@@ -12,7 +12,7 @@ const INVERSE_KT: usize = 3;
 /// The smallest defect of one kind that segments would have shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// The name of the feature that rises with it, without its scale: `drag`, `order_outer`.
+    /// What rises with it, whatever its scale: `drag`, or the name of an order.
     pub name: String,
     /// A part of the usual value, or the amplitude at an order, A; infinite if it would not have been found.
     pub size: f32,
@@ -25,18 +25,16 @@ pub struct Shown {
 pub fn smallest<'a>(
     model: &Embedded,
     orders: &[String],
-    segments: impl Iterator<Item = &'a [(Feature, f32)]>,
+    segments: impl Iterator<Item = &'a [(u8, f32)]>,
 ) -> Vec<Shown> {
-    let catalogue = model.catalogue(orders);
+    let names = model.coordinate_names(orders);
     let mut all: Vec<Shown> = vec![];
-    for (feature, size) in segments.flatten() {
-        let is_amplitude = matches!(feature, Feature::OrderScore(_) | Feature::LogOrderAmplitude(_));
-        let full = catalogue.name(*feature);
-        let plain = full.strip_prefix("amplitude_").map(|order| format!("order_{order}"));
-        let plain = plain.unwrap_or_else(|| full.trim_end_matches("_log").trim_end_matches("_score").to_string());
-        match all.iter_mut().find(|own| own.name == plain) {
+    for (coordinate, size) in segments.flatten() {
+        let Some(full) = names.get(usize::from(*coordinate)) else { continue };
+        let (is_amplitude, name) = (is_order(full), quantity(full).to_string());
+        match all.iter_mut().find(|own| own.name == name) {
             Some(own) => own.size = own.size.min(*size),
-            None => all.push(Shown { name: plain, size: *size, is_amplitude }),
+            None => all.push(Shown { name, size: *size, is_amplitude }),
         }
     }
     all
@@ -61,16 +59,24 @@ impl Shown {
 
     /// The defect in words.
     fn kind(&self) -> String {
-        match self.name.as_str() {
-            "order_outer" => "an outer-race defect".into(),
-            "order_inner" => "an inner-race defect".into(),
-            "order_ball" => "a rolling-element defect".into(),
-            "order_cage" => "a cage defect".into(),
-            name if self.is_amplitude => format!("a defect at the {}", in_words(name)),
-            name if FRICTION.contains(&name) => in_words(name),
-            name => format!("{name} than usual"),
+        match (self.is_amplitude, self.name.as_str()) {
+            (true, "outer") => "an outer-race defect".into(),
+            (true, "inner") => "an inner-race defect".into(),
+            (true, "ball") => "a rolling-element defect".into(),
+            (true, "cage") => "a cage defect".into(),
+            (true, name) => format!("a defect at the order {name}"),
+            (false, name) => in_words(name),
         }
     }
+}
+
+/// The feature by which a segment departs most from healthy, and where it falls what that may be.
+#[must_use]
+pub fn most(model: &Embedded, orders: &[String], segment: &SegmentReport) -> Option<String> {
+    let most = segment.most?;
+    let name = model.coordinate_name(orders, most.coordinate);
+    let lower = format!("{}, which is lower than usual: load or belt lost, a sensor, or warmer than trained", name);
+    Some(if most.falls { lower } else { name })
 }
 
 /// Two digits that count.

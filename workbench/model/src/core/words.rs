@@ -1,8 +1,9 @@
 //! Reasons and counts as text.
 
-use bearing_watch::model::Feature;
+use bearing_watch::model::{Feature, TrackedOrder};
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{ChannelSet, Counts, Model, Reason, Report};
+use bearing_watch::shaft::OrderStrength;
+use bearing_watch::{ChannelSet, Counts, Model, Obstacle, Reason, Report};
 
 use super::features::{MEAN, RMS};
 use crate::identify::Terms;
@@ -42,8 +43,23 @@ pub(super) fn explain(reason: Reason, report: &Report<RunTime>, model: &Model<Ru
             let name = channels.get(channel as usize).map_or("", |channel| channel.name.as_str());
             format!("the sensor of {name} is stuck")
         }
+        Reason::Unseen(obstacle) => match times(obstacle, report, model) {
+            Some(times) => format!("{reason}: the smallest defect found would be {times:.1} times an acceptable one"),
+            None => reason.to_string(),
+        },
         _ => reason.to_string(),
     }
+}
+
+/// The smallest defect that an order shows over the acceptable one, of the order that shows most.
+fn times(obstacle: Obstacle, report: &Report<RunTime>, model: &Model<RunTime>) -> Option<f32> {
+    let orders = &model.constants().shaft.first()?.tracking.orders;
+    let ratio = |(own, order): (&OrderStrength, &TrackedOrder)| match obstacle {
+        Obstacle::TooLittleMotion => own.smallest_relative / order.most_relative,
+        Obstacle::TooNoisy => own.smallest / order.most_a,
+    };
+    let all = report.shaft()?.orders().iter().zip(orders).map(ratio);
+    all.filter(|times| times.is_finite() && *times > 0.0).min_by(f32::total_cmp)
 }
 
 /// Names of the channels of a model.

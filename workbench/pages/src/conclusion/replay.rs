@@ -2,13 +2,14 @@
 
 use bearing_watch::alarm::Contribution;
 use model::core::coordinates::{Side, in_words};
+use model::core::sight::{self, Shown};
 use model::core::{Embedded, Finding, SegmentReport, Watched};
 use model::trace::Trace;
 
 use super::percent;
 use super::risen::{self, Others};
 use super::runs::Runs;
-use crate::departing::departing;
+use super::{percent, risen};
 use crate::page::counted;
 
 /// Segments of a drive, one trace after another, and the alarm.
@@ -27,6 +28,8 @@ pub struct Conclusion<'a> {
     reasons: Vec<(String, usize)>,
     /// Place of the first segment that departs from healthy.
     first: Option<String>,
+    /// The smallest defects of the healthy segments, of each feature that rises with one.
+    smallest: Vec<(u8, f32)>,
     /// Surprise of the segment that departs most until the alarm, nats, and its feature.
     most: (f32, Option<String>),
     /// Place of each segment.
@@ -65,6 +68,7 @@ impl<'a> Conclusion<'a> {
             ambiguous: 0,
             reasons: vec![],
             first: None,
+            smallest: vec![],
             most: (0.0, None),
             places: vec![],
             rising: None,
@@ -100,6 +104,9 @@ impl<'a> Conclusion<'a> {
                 None => self.reasons.push((reason.clone(), 1)),
             },
         }
+        if matches!(segment.verdict, Ok(Finding::Class(class)) if Some(class) == healthy) {
+            self.smallest.extend(&segment.smallest);
+        }
         let departs = match &segment.verdict {
             Ok(Finding::Class(class)) => healthy.is_some_and(|healthy| healthy != *class),
             Ok(Finding::Novel) => true,
@@ -108,7 +115,7 @@ impl<'a> Conclusion<'a> {
         if departs {
             self.first.get_or_insert_with(|| at.to_owned());
             if self.alarm.is_none() && segment.surprise > self.most.0 {
-                self.most = (segment.surprise, departing(self.model, self.orders, segment));
+                self.most = (segment.surprise, sight::most(self.model, self.orders, segment));
             }
         }
     }
@@ -223,11 +230,25 @@ impl<'a> Conclusion<'a> {
     fn nothing(&self, decided: usize) -> String {
         let (all, verb) = (counted(decided, "segment"), if decided == 1 { "is" } else { "are" });
         format!(
-            "No defect found: {all} of {} {verb} healthy, and the evidence {}. No action is needed. Defects smaller than \
-             the model can detect are not excluded.",
+            "No defect found: {all} of {} {verb} healthy, and the evidence {}. No action is needed. {}",
             counted(self.traces, "trace"),
             self.evidence(),
+            self.would_have_been_found(),
         )
+    }
+
+    /// What the best of the healthy segments would have shown.
+    fn would_have_been_found(&self) -> String {
+        let shown: Vec<Shown> = sight::smallest(self.model, self.orders, std::iter::once(&self.smallest[..]));
+        let (best, one) = (self.segments > 1, "The segment");
+        match sight::sentences(self.model, &shown) {
+            [found, _] if found.is_empty() => "Defects smaller than the model can detect are not excluded.".into(),
+            [found, unseen] => {
+                let which = if best { "The best of them" } else { one };
+                let unseen = if unseen.is_empty() { unseen } else { format!(" Not looked at: {unseen}.") };
+                format!("{which} would have shown {found}; smaller defects are not excluded.{unseen}")
+            }
+        }
     }
 
     fn similar(&self, decided: usize) -> String {
