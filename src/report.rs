@@ -1,11 +1,11 @@
 //! The report of a segment, which the detector makes and telemetry sends.
 
 pub use crate::decide::Verdict;
-use crate::decide::{Decision, Estimates, UNMARKED};
+use crate::decide::{Decision, UNMARKED};
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::{Part, Reason};
 use crate::regression::estimate::Estimate;
-use crate::shaft::{Balance, ShaftEstimate};
+use crate::shaft::ShaftEstimate;
 use crate::signal::Counts;
 use crate::signal::average::{Average, Averages};
 
@@ -95,7 +95,11 @@ impl<P: Plan> Report<P> {
     }
 
     /// What the features come from.
-    pub(crate) fn estimates<'a>(&'a self, balance: Option<&'a Balance>) -> Estimates<'a, P> {
+    #[cfg(feature = "telemetry")]
+    pub(crate) fn estimates<'a>(
+        &'a self,
+        balance: Option<&'a crate::shaft::Balance>,
+    ) -> crate::decide::Estimates<'a, P> {
         (self.estimate(), self.shaft().zip(balance), self.averages())
     }
 }

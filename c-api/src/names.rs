@@ -22,11 +22,11 @@ const VERDICTS: Names<4> = names! {
     BwVerdict::Undetermined => "undetermined",
 };
 
-const REASONS: Names<16> = names! {
+const REASONS: Names<17> = names! {
     BwReason::None => "none",
     BwReason::TooFewRows => "too few usable rows",
     BwReason::ShortSegment => "less than half of the segment was usable",
-    BwReason::AtRest => "the inputs are at rest",
+    BwReason::AtRest => "the shaft or the inputs are at rest",
     BwReason::ParameterNotExcited => "the data do not excite a parameter",
     BwReason::TermNotExcited => "the motion does not excite a term of the torque balance",
     BwReason::WeakInstruments => "the instruments hardly follow the output",
@@ -39,6 +39,7 @@ const REASONS: Names<16> = names! {
     BwReason::Arithmetic => "the processor does not compute as the host does",
     BwReason::OtherModel => "the segment is that of another model",
     BwReason::FoundLate => "a fault that was found after the segment may have begun in it",
+    BwReason::Unseen => "the segment would not have shown an acceptable defect",
 };
 
 const CODES: Names<57> = names! {

@@ -2,7 +2,7 @@
 
 use bearing_watch::plan::MAX_CHANNELS;
 use bearing_watch::shaft::{OrderStrength, Parameter};
-use bearing_watch::{FrictionTerm, Implausible, Kernel, Part, Reason, Report, Verdict};
+use bearing_watch::{FrictionTerm, Implausible, Kernel, Obstacle, Part, Reason, Report, Verdict};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};
@@ -33,7 +33,7 @@ pub enum BwReason {
     TooFewRows = 1,
     /// Less than half of the segment was usable.
     ShortSegment = 2,
-    /// The inputs of the regression hardly changed.
+    /// The shaft hardly moved, or the inputs of the regression hardly changed.
     AtRest = 3,
     /// The data do not excite the parameter `place` of the regression.
     ParameterNotExcited = 4,
@@ -63,6 +63,9 @@ pub enum BwReason {
     OtherModel = 14,
     /// A fault that was found after the segment may have begun in it (`bw_discard`).
     FoundLate = 15,
+    /// Healthy is most plausible, but the segment would not have shown an acceptable defect (`BW_VALUES_SMALLEST`): `place` is
+    /// 0 if the shaft turned too little for the bearing orders, 1 if they are too noisy.
+    Unseen = 16,
 }
 
 /// A part of the detector.
@@ -123,6 +126,11 @@ pub struct BwReport {
     pub distance: f32,
     /// -ln of the probability that a healthy segment is at least so unusual, nats; likewise.
     pub surprise: f32,
+    /// The coordinate that departs most from the healthy class, 255 if there is none; without a projection it is a
+    /// feature of `BW_MODEL_FEATURE_NAMES`.
+    pub most: u8,
+    /// Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
+    pub falls: bool,
 }
 
 /// Lists of numbers behind a verdict.
@@ -160,10 +168,13 @@ pub enum BwValues {
     Means = 13,
     /// Root mean square of each averaged channel; NaN if it has none.
     RootMeanSquares = 14,
+    /// The smallest defect in each rising coordinate of the model, the last ones, that the segment would have shown: a
+    /// part of the usual friction, or the amplitude at a bearing order, A; infinite if it shows none.
+    Smallest = 15,
 }
 
 impl BwValues {
-    const ALL: [Self; 15] = [
+    const ALL: [Self; 16] = [
         Self::LogLikelihoods,
         Self::Posteriors,
         Self::ExpectedCosts,
@@ -179,6 +190,7 @@ impl BwValues {
         Self::OrderSlips,
         Self::Means,
         Self::RootMeanSquares,
+        Self::Smallest,
     ];
 }
 
@@ -204,6 +216,7 @@ fn summary(state: &BwState) -> Outcome<BwReport> {
         let counts = report.counts;
         let stuck = (0..MAX_CHANNELS).filter(|channel| counts.stuck.contains(*channel));
         let decision = report.decision.as_ref();
+        let most = decision.and_then(|decision| decision.most);
         let (verdict, reason) = verdict(report);
         Ok(BwReport {
             segment: monitor.evidence().segments().0,
@@ -225,6 +238,8 @@ fn summary(state: &BwState) -> Outcome<BwReport> {
             lost_segments,
             distance: decision.map_or(0.0, |decision| decision.distance),
             surprise: decision.map_or(0.0, |decision| decision.surprise),
+            most: most.map_or(u8::MAX, |most| most.coordinate),
+            falls: most.is_some_and(|most| most.falls),
         })
     })?
 }
@@ -279,6 +294,7 @@ fn why(reason: Reason) -> Why {
         Reason::Arithmetic(kernel) => Why { place: place_in(Kernel::ALL, &kernel), ..plain(BwReason::Arithmetic) },
         Reason::OtherModel => plain(BwReason::OtherModel),
         Reason::FoundLate => plain(BwReason::FoundLate),
+        Reason::Unseen(own) => Why { place: place_in(Obstacle::ALL, &own), ..plain(BwReason::Unseen) },
         // What a later version of the core adds.
         _ => plain(BwReason::Other),
     }
@@ -384,6 +400,7 @@ fn list(report: &Report<Own>, what: BwValues, mut each: impl FnMut(f32)) {
             }
         }
         BwValues::Means => averages.for_each(|own| each(own.mean().unwrap_or(f32::NAN))),
+        BwValues::Smallest => report.smallest().iter().for_each(|size| each(*size)),
         BwValues::RootMeanSquares => averages.for_each(|own| each(own.rms().unwrap_or(f32::NAN))),
         _ => {}
     }

@@ -7,7 +7,7 @@
 
 use super::classifier::Classifier;
 use super::discriminant::Decision;
-use super::features::{Estimates, Feature, FeatureValue};
+use super::features::{Estimates, FeatureValue};
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
 use crate::regression::factor::{numbered, pairs};
@@ -105,11 +105,7 @@ impl<P: Plan> Classification<P> {
         let features = features.cells();
         let cells = self.coordinates.cells_mut().iter_mut().zip(self.variances.cells_mut());
         for (k, (cell, variance)) in numbered(cells) {
-            let mut z = classifier.projection.coordinate(features, k);
-            if !z.is_missing() && classifier.is_blind(k, layout.coordinates as usize, z.variance) {
-                z = FeatureValue::MISSING;
-                reason = reason.or(blind(classifier, k, decision));
-            }
+            let z = classifier.projection.coordinate(features, k);
             (*cell, *variance) = (z.value, z.variance);
             available |= !z.is_missing();
         }
@@ -151,18 +147,6 @@ fn corrected<P: Plan>(
     match value {
         Ok(value) => classifier.covariates.corrected(classifier.projection.excess(value, k), k, departures),
         Err(_) => FeatureValue::MISSING,
-    }
-}
-
-/// Marks the feature of a coordinate as missing that says nothing of this segment; the reason.
-fn blind<P: Plan>(classifier: &Classifier<P>, k: usize, decision: &mut Decision<P>) -> Option<Reason> {
-    let (place, feature) = classifier.feature_of(k)?;
-    if let Some(missing) = decision.missing.cells_mut().get_mut(place) {
-        *missing = true;
-    }
-    match feature {
-        Feature::Friction(term) | Feature::LogFriction(term) => Some(Reason::TermNotExcited(term)),
-        _ => None,
     }
 }
 

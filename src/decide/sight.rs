@@ -21,29 +21,42 @@ use super::gates::density::{Density, pivots};
 use crate::plan::{Cells, Plan};
 use crate::regression::factor::{numbered, pairs};
 
+/// A part of the usual friction that is acceptable whatever is usual: drives of training may be very much alike.
+const ACCEPTABLE: f32 = 0.1;
+
 impl<P: Plan> Classifier<P> {
     /// The sizes (2) and (3) of the rising coordinates, in their order, of a segment whose coordinates have errors of
-    /// these variances. The first cell is not used.
+    /// these variances. The first cell is not used. Returns whether one of friction is acceptable, or none rises.
     #[inline(never)]
-    pub(crate) fn smallest(&self, estimates: Estimates<'_, P>, variances: &[f32], sizes: &mut [f32]) {
-        let density = Density::<P>::of(self.novelty.factor.cells(), variances, variances.len());
-        let first = variances.len().saturating_sub(self.rising());
-        let mut before = 0.0;
-        for (k, pivot) in numbered(density.pivots()) {
-            let rise = k.wrapping_sub(first).wrapping_add(1);
-            if k >= first
-                && let Some((size, rise)) = sizes.get_mut(rise).zip(self.novelty.rises.cells().get(rise))
-            {
-                let shift = rise.reach * libm::sqrtf(pivot * (1.0 + before / self.novelty.freedom)); // (1)
-                *size = if pivot < f32::INFINITY { self.size(k, shift, estimates) } else { f32::INFINITY };
+    pub(crate) fn smallest(&self, estimates: Estimates<'_, P>, variances: &[f32], sizes: &mut [f32]) -> bool {
+        let (all, novelty) = (variances.len(), &self.novelty);
+        let density = Density::<P>::of(novelty.factor.cells(), variances, all);
+        let (laws, most) = (novelty.laws.cells().len(), novelty.acceptable * novelty.acceptable);
+        let (mut before, mut known, mut acceptable) = (0.0, false, false);
+        for (k, (pivot, usual)) in numbered(density.pivots().zip(pivots(novelty.factor.cells(), all))) {
+            if pivot >= f32::INFINITY {
+                continue;
             }
-            before += if pivot < f32::INFINITY { 1.0 } else { 0.0 };
+            // The rising coordinates are the last ones, and the first of them has the place 1.
+            let place = k.wrapping_add(laws).wrapping_sub(all);
+            if let Some((size, rise)) = sizes.get_mut(place).zip(novelty.rises.cells().get(place))
+                && place > 0
+            {
+                let shift = rise.reach * libm::sqrtf(pivot * (1.0 + before / novelty.freedom)); // (1)
+                *size = self.size(k, shift, estimates);
+                let friction = self.is_friction(k);
+                known |= friction;
+                acceptable |= friction && (pivot <= most * usual || *size <= ACCEPTABLE);
+            }
+            before += 1.0;
         }
+        acceptable || !known
     }
 
-    /// Number of rising coordinates, which are the last ones.
-    pub(super) fn rising(&self) -> usize {
-        self.novelty.laws.cells().len().saturating_sub(1)
+    /// Whether coordinate k is a friction.
+    fn is_friction(&self, k: usize) -> bool {
+        let feature = self.projection.only(k).and_then(|(place, _)| self.features.cells().get(place));
+        matches!(feature, Some(Feature::Friction(_) | Feature::FrictionScore(_) | Feature::LogFriction(_)))
     }
 
     /// The size of a defect that shifts coordinate k by so much; infinite if none is known.
@@ -68,23 +81,6 @@ impl<P: Plan> Classifier<P> {
         };
         // A value that is not a number shows nothing.
         if size < f32::INFINITY { size } else { f32::INFINITY }
-    }
-
-    /// Whether coordinate k rises, and its errors have a variance by which the smallest defect is beyond the acceptable
-    /// one ([`Novelty::acceptable`](super::Novelty::acceptable)): it says nothing of this segment.
-    pub(super) fn is_blind(&self, k: usize, coordinates: usize, variance: f32) -> bool {
-        let novelty = &self.novelty;
-        if k < coordinates.saturating_sub(self.rising()) || novelty.class.is_none() {
-            return false;
-        }
-        let pivot = pivots(novelty.factor.cells(), coordinates).nth(k).unwrap_or(f32::INFINITY);
-        variance > (novelty.acceptable * novelty.acceptable - 1.0) * pivot
-    }
-
-    /// The place of the only feature of coordinate k.
-    pub(super) fn feature_of(&self, k: usize) -> Option<(usize, Feature)> {
-        let (place, _) = self.projection.only(k)?;
-        self.features.cells().get(place).map(|feature| (place, *feature))
     }
 
     /// Whether any of the features for which this holds is among them, and whether one of those has a value.

@@ -185,8 +185,8 @@ impl<P: Plan> Solve<P> {
             return false;
         };
         let (_, variances) = self.classification.coordinates();
-        constants.classifier.smallest(estimates, variances, report.smallest.cells_mut());
-        verdict::judge(model, segment, report, result);
+        let friction = constants.classifier.smallest(estimates, variances, report.smallest.cells_mut());
+        verdict::judge(model, segment, report, (result, friction));
         true
     }
 }

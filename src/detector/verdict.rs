@@ -18,12 +18,12 @@ pub(super) fn contradicts<P: Plan>(model: &Model<P>, segment: &Segment<P>, repor
     true
 }
 
-/// The verdict of a classified segment.
+/// The verdict of a classified segment, and whether it would have shown an acceptable friction.
 pub(super) fn judge<P: Plan>(
     model: &Model<P>,
     segment: &Segment<P>,
     report: &mut Report<P>,
-    result: Result<(), Reason>,
+    (result, friction): (Result<(), Reason>, bool),
 ) {
     let constants = model.constants();
     // The model knows the spread of whole segments only.
@@ -32,16 +32,16 @@ pub(super) fn judge<P: Plan>(
     conclude(model, report, result);
     let healthy = constants.classifier.novelty.class.map(Verdict::Class);
     if Some(report.verdict) == healthy
-        && let Some(reason) = unseen(model, report)
+        && let Some(reason) = unseen(model, report, friction)
     {
         (report.verdict, report.decision) = (Verdict::Undetermined(reason), None);
     }
 }
 
 /// Why a segment that seems healthy would not have shown a defect: of the bearing orders, if the model has some, none
-/// shows an acceptable amplitude; of a model without orders, no friction is determined.
+/// shows an acceptable amplitude; of a model without orders, no friction is determined well enough.
 #[inline(never)]
-fn unseen<P: Plan>(model: &Model<P>, report: &Report<P>) -> Option<Reason> {
+fn unseen<P: Plan>(model: &Model<P>, report: &Report<P>, friction: bool) -> Option<Reason> {
     let (constants, shaft) = (model.constants(), report.shaft()?);
     let (classifier, orders) = (&constants.classifier, &constants.shaft.part()?.tracking.orders);
     let missing = report.decision.as_ref()?.missing();
@@ -53,7 +53,7 @@ fn unseen<P: Plan>(model: &Model<P>, report: &Report<P>) -> Option<Reason> {
         _ => None,
     };
     let of_friction = |feature: Feature| match feature {
-        Feature::Friction(_) | Feature::FrictionScore(_) | Feature::LogFriction(_) => Some(true),
+        Feature::Friction(_) | Feature::FrictionScore(_) | Feature::LogFriction(_) => Some(friction),
         _ => None,
     };
     match (classifier.seen(missing, of_order), classifier.seen(missing, of_friction)) {

@@ -9,7 +9,7 @@ use super::sink::{Sink, TooSmall};
 use super::split;
 use crate::alarm::Contribution;
 use crate::alarm::evidence::{Alarm, Evidence};
-use crate::model::Model;
+use crate::model::{Model, Most};
 use crate::plan::{Cells, Plan};
 use crate::report::{Report, Verdict};
 use crate::signal::{ChannelSet, Counts};
@@ -42,6 +42,10 @@ struct Fields {
     classes: u8,
     features: u8,
     orders: u8,
+    rising: u8,
+    /// The coordinate that departs most and whether it falls; 255 for none.
+    most: u8,
+    falls: bool,
 }
 
 /// The result of a segment.
@@ -74,6 +78,11 @@ pub struct Summary<'a> {
     pub features: Numbers<'a>,
     /// Score of each bearing order; none in a plan without a shaft.
     pub order_scores: Numbers<'a>,
+    /// The smallest defect in each rising coordinate, the last ones, that the segment would have shown
+    /// ([`Report::smallest`](crate::Report::smallest)); none in a model without such coordinates.
+    pub smallest: Numbers<'a>,
+    /// The coordinate that departs most from healthy; `None` without a healthy class or without a verdict.
+    pub most: Option<Most>,
     /// What raised the alarm: the direction, by how many deviations, and since when; `None` without an alarm by a
     /// direction, and in frames of version 1.
     pub risen: Option<Contribution>,
@@ -91,6 +100,7 @@ pub(super) fn write<P: Plan>(
     let (layout, decision) = (model.plan().layout(), report.decision.as_ref());
     let (segment, undetermined) = evidence.segments();
     let Counts { rejected, saturated, downweighted, resting, stuck, refused } = report.counts;
+    let most = decision.and_then(|decision| decision.most);
     sink.fields(&Fields {
         segment,
         verdict: report.verdict.into(),
@@ -110,6 +120,9 @@ pub(super) fn write<P: Plan>(
         classes: decision.map_or(0, |_| layout.classes),
         features: layout.features,
         orders: layout.shaft.map_or(0, |shaft| shaft.orders),
+        rising: layout.rising,
+        most: most.map_or(u8::MAX, |most| most.coordinate),
+        falls: most.is_some_and(|most| most.falls),
     })?;
     let posteriors = decision.map_or(&[][..], |decision| decision.posteriors());
     posteriors.iter().try_for_each(|posterior| sink.number(*posterior))?;
@@ -120,6 +133,7 @@ pub(super) fn write<P: Plan>(
     }
     let orders = report.shaft().map_or(&[][..], |shaft| shaft.orders());
     orders.iter().try_for_each(|order| sink.number(order.score))?;
+    report.smallest().iter().try_for_each(|size| sink.number(*size))?;
     risen::write(model.constants().classifier.novelty.directions.list.cells(), evidence, sink)
 }
 
@@ -132,6 +146,7 @@ impl<'a> Summary<'a> {
         let (posteriors, bytes) = list(bytes, fields.classes)?;
         let (features, bytes) = list(bytes, fields.features)?;
         let (order_scores, bytes) = list(bytes, fields.orders)?;
+        let (smallest, bytes) = list(bytes, fields.rising)?;
         let (risen, contributions) = risen::read(bytes)?;
         Some(Self {
             segment: fields.segment,
@@ -147,6 +162,8 @@ impl<'a> Summary<'a> {
             posteriors: Numbers(posteriors),
             features: Numbers(features),
             order_scores: Numbers(order_scores),
+            smallest: Numbers(smallest),
+            most: (fields.most < u8::MAX).then_some(Most { coordinate: fields.most, falls: fields.falls }),
             risen,
             contributions,
         })

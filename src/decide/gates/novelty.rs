@@ -51,8 +51,8 @@ pub struct Novelty<P: Plan> {
     pub rises: Array<P::Laws, Rise>,
     /// Degrees of freedom of m and S; not used without rising coordinates.
     pub freedom: f32,
-    /// The smallest defect that a rising coordinate shows may be so many times the usual one; with a larger one the
-    /// coordinate is missing.
+    /// The smallest defect that a segment shows may be so many times the usual one; with larger ones it is not called
+    /// healthy.
     pub acceptable: f32,
     /// −ln α of (3), nats; infinite if distances are computed but nothing is called novel.
     pub limit: f32,
