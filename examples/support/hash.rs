@@ -35,8 +35,8 @@ impl Hash {
         }
         self.add(&[friction.variance, f32::from_bits(friction.rows)]);
         for order in shaft.orders() {
-            let OrderStrength { prominence, score, amplitude, deviation, slip, slip_deviation } = *order;
-            self.add(&[prominence, score, amplitude, deviation, slip, slip_deviation]);
+            let OrderStrength { prominence, score, amplitude, deviation, slip, slip_deviation, smallest, .. } = *order;
+            self.add(&[prominence, score, amplitude, deviation, slip, slip_deviation, smallest]);
         }
     }
 
