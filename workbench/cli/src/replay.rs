@@ -328,12 +328,12 @@ fn value(
             "hours_left": growth.left_hours().filter(|_| growth.run_hours > 0.0).map(interval),
         })),
         "life": life,
-        "most": segment.most.and_then(|most| model.feature_of(usize::from(most.coordinate)).map(|feature| json!({
-            "feature": model.catalogue(orders).name(feature),
+        "most": segment.most.map(|most| json!({
+            "coordinate": model.coordinate_name(orders, most.coordinate),
             "falls": most.falls,
-        }))),
+        })),
         "smallest_found": sight::smallest(model, orders, std::iter::once(&segment.smallest[..])).iter().map(|own| json!({
-            "feature": own.name,
+            "defect": own.name,
             "size": own.size.is_finite().then_some(own.size),
             "unit": if own.is_amplitude { "A" } else { "part of the usual value" },
         })).collect::<Vec<_>>(),

@@ -1,10 +1,7 @@
 //! What segments would have shown, in words.
 
-use bearing_watch::model::Feature;
-
-use super::features::FRICTION;
+use super::coordinates::{in_words, is_order, quantity};
 use super::{Embedded, SegmentReport};
-use crate::train::directions::in_words;
 
 /// Place of 1/Kt in the parameters of the torque balance.
 const INVERSE_KT: usize = 3;

@@ -9,7 +9,6 @@ use model::trace::Trace;
 use super::percent;
 use super::risen::{self, Others};
 use super::runs::Runs;
-use super::{percent, risen};
 use crate::page::counted;
 
 /// Segments of a drive, one trace after another, and the alarm.
