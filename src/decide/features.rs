@@ -288,7 +288,8 @@ mod tests {
             Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some((shaft, &balance)), &[]))
         };
         let half = viscous(0.708, &shaft).unwrap();
-        assert!((half.value - 5.0).abs() < 5e-3 && (half.variance - 0.5).abs() < 2e-3, "{half:?}");
+        // c = 1 − 0.25/0.708² = 0.50125.
+        assert!((half.value - 4.994_97).abs() < 1e-4 && (half.variance - 0.498_75).abs() < 1e-4, "{half:?}");
         // A little more of the prior, and the rows say less than it.
         assert_eq!(viscous(0.706, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Viscous)));
         // The drag at 20 rad/s of priors of 0.1: (20² + 1² + 1/26²) 0.01 = 4.01.

@@ -94,3 +94,105 @@ impl<P: Plan> Classifier<P> {
         [known, seen]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decide::{Covariates, Discriminant, Novelty, Projection, Rise};
+    use crate::plan::{Kind, Layout, Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
+    use crate::reason::FrictionTerm;
+    use crate::shaft::state::tests::balance;
+    use crate::shaft::{OrderStrength, Parameter, ShaftEstimate};
+    use std::vec;
+    use std::vec::Vec;
+
+    fn plan() -> RunTime {
+        let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
+        let signal = Signal::channel;
+        let (velocity, load) = (Some(signal(1)), None);
+        let shaft = ShaftLayout { current: signal(0), velocity, load, orders: 1, harmonics: 3, decimation: 1 };
+        let layout = Layout { shaft: Some(shaft), features: 4, coordinates: 4, rising: 4, classes: 1, ..plain };
+        RunTime::of(Layout { discriminant: Kind::Linear, ..layout }).unwrap()
+    }
+
+    /// Independent coordinates of variance 0.04 with a reach of 4, the first two features exchanged in them.
+    fn classifier() -> Classifier<RunTime> {
+        let term = FrictionTerm::Drag;
+        let exchanged = vec![0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        let diagonal = vec![0.04, 0.0, 0.0, 0.0, 0.04, 0.0, 0.0, 0.04, 0.0, 0.04];
+        let novelty = Novelty {
+            class: Some(0),
+            mean: vec![0.5, 0.0, 0.0, 0.0],
+            factor: diagonal.clone(),
+            rises: vec![Rise { fall: 1.0, reach: 4.0 }; 5],
+            freedom: 1e9,
+            acceptable: 2.0,
+            ..Novelty::none(plan())
+        };
+        Classifier {
+            features: vec![
+                Feature::LogFriction(term),
+                Feature::Friction(term),
+                Feature::OrderScore(0),
+                Feature::FrictionScore(term),
+            ],
+            covariates: Covariates { list: vec![], map: vec![] },
+            projection: Projection { matrix: exchanged, mean: vec![0.0, 1.5, 0.0, 0.0], usual: vec![0.0; 4] },
+            discriminant: Discriminant {
+                means: vec![0.0; 4],
+                factors: diagonal,
+                log_prior: vec![0.0],
+                costs: vec![0.0],
+                reject_cost: f32::INFINITY,
+            },
+            novelty,
+        }
+    }
+
+    fn smallest(variances: [f32; 4], classifier: &Classifier<RunTime>) -> (Vec<f32>, bool) {
+        let mut shaft = ShaftEstimate::empty(plan());
+        (shaft.friction_reason, shaft.orders_reason) = (None, None);
+        shaft.friction.drag = Parameter { value: 3.0, deviation: 0.1, score: 10.0 };
+        shaft.orders = vec![OrderStrength { smallest: 0.25, ..OrderStrength::default() }];
+        let mut sizes = vec![f32::INFINITY; 5];
+        let friction = classifier.smallest((None, Some((&shaft, &balance())), &[]), &variances, &mut sizes);
+        (sizes[1..].to_vec(), friction)
+    }
+
+    fn near(found: &[f32], expected: [f32; 4]) {
+        for (found, expected) in found.iter().zip(expected) {
+            let same = found.is_infinite() && expected.is_infinite();
+            assert!(same || (found - expected).abs() < 1e-5 * expected, "{found} for {expected}");
+        }
+    }
+
+    #[test]
+    fn sizes_by_hand() {
+        // A shift of 4 · 0.2 of the mean 1.5 + 0.5; e^0.8 − 1; the order's own; 0.8 deviations of 0.1 of nominal 2.
+        let log = 0.8_f32.exp() - 1.0;
+        near(&smallest([0.0; 4], &classifier()).0, [0.4, log, 0.25, 0.04]);
+        // Three times the variance more doubles the shift; an order has no error of its own.
+        let log = 1.6_f32.exp() - 1.0;
+        near(&smallest([0.12, 0.12, 0.0, 0.12], &classifier()).0, [0.8, log, 0.25, 0.08]);
+        near(&smallest([f32::INFINITY; 4], &classifier()).0, [f32::INFINITY; 4]);
+        // Few degrees of freedom widen the shift of a coordinate by those before it.
+        let few = Classifier { novelty: Novelty { freedom: 1.0, ..classifier().novelty }, ..classifier() };
+        let (sizes, _) = smallest([0.0; 4], &few);
+        assert!((sizes[3] - 0.04 * 2.0).abs() < 1e-6, "{sizes:?}");
+    }
+
+    #[test]
+    fn friction_is_acceptable_at_twice_the_usual_size_or_a_tenth() {
+        let friction = |variance: f32| smallest([variance; 4], &classifier()).1;
+        // The score of a small deviation stays below a tenth of the nominal value.
+        assert!(friction(0.12) && friction(0.2) && !friction(0.3) && !friction(f32::INFINITY));
+    }
+
+    #[test]
+    fn a_projection_that_mixes_features_knows_no_size() {
+        let mut mixed = classifier();
+        mixed.projection.matrix.fill(0.5);
+        let (sizes, friction) = smallest([0.0; 4], &mixed);
+        assert!(sizes.iter().all(|size| size.is_infinite()) && friction, "{sizes:?}");
+    }
+}

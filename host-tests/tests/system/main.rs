@@ -25,5 +25,6 @@ mod recorded_later_runs;
 mod recorded_slip;
 mod recorded_wear;
 mod standard_rig;
+mod stated_limits;
 mod structure;
 mod validation;

@@ -77,6 +77,28 @@ fn the_lag_of_the_current_is_compensated() {
 }
 
 #[test]
+fn a_shaft_that_only_trembles_is_at_rest() {
+    let (plan, constants) = (plan(1), constants(0.0, 1));
+    let reason = |velocity_rad_s: f32| {
+        let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
+        let mut state = 3_u32;
+        for k in 0..4000_u16 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Noise of a third of the sign's velocity, as training chooses it, beside a slow motion.
+            let noise = f32::from((state >> 16) as i16) / 32_768.0 * 0.58;
+            let w = velocity_rad_s * libm::sinf(0.004 * f32::from(k)) + noise;
+            let values = vec![0.1 * libm::sinf(0.009 * f32::from(k)), w, 0.01];
+            shaft.step(&mut sums, plan, &constants, (&RunTimeSample { values, ..RunTimeSample::default() }, true));
+        }
+        let (mut solve, mut estimate) = (ShaftSolve::new(), ShaftEstimate::empty(plan));
+        while !solve.advance(plan, &constants, &mut sums, &mut estimate) {}
+        estimate.friction_reason
+    };
+    assert_eq!([0.0, 0.2].map(reason), [Some(Reason::AtRest); 2]);
+    assert_ne!(reason(1.0), Some(Reason::AtRest));
+}
+
+#[test]
 fn after_a_gap_filters_start_anew() {
     for decimation in [1, 2] {
         let whole = friction(0.0, 0.0, decimation, |_| true).unwrap();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::reason::{FrictionTerm, Implausible, Kernel, Part};
+use crate::reason::{FrictionTerm, Implausible, Kernel, Obstacle, Part};
 use crate::tests::{Drive, MODEL, SAMPLES, report, samples};
 use std::string::String;
 use std::vec::Vec;
@@ -100,7 +100,8 @@ fn every_reason_comes_back_without_its_rows_and_has_a_name() {
         .chain([Reason::OutOfRange { covariate: 9 }])
         .chain(FrictionTerm::ALL.map(Reason::TermNotExcited))
         .chain(Implausible::ALL.map(Reason::Implausible))
-        .chain(Kernel::ALL.map(Reason::Arithmetic));
+        .chain(Kernel::ALL.map(Reason::Arithmetic))
+        .chain(Obstacle::ALL.map(Reason::Unseen));
     let mut kinds = Vec::new();
     for reason in all {
         let code = reason.code();
