@@ -281,7 +281,7 @@ enum BwReason
   BW_REASON_TOO_FEW_ROWS = 1,
   // Less than half of the segment was usable.
   BW_REASON_SHORT_SEGMENT = 2,
-  // The inputs of the regression hardly changed.
+  // The shaft hardly moved, or the inputs of the regression hardly changed.
   BW_REASON_AT_REST = 3,
   // The data do not excite the parameter `place` of the regression.
   BW_REASON_PARAMETER_NOT_EXCITED = 4,
@@ -311,6 +311,9 @@ enum BwReason
   BW_REASON_OTHER_MODEL = 14,
   // A fault that was found after the segment may have begun in it (`bw_discard`).
   BW_REASON_FOUND_LATE = 15,
+  // Healthy is most plausible, but the segment would not have shown an acceptable defect (`BW_VALUES_SMALLEST`): `place` is
+  // 0 if the shaft turned too little for the bearing orders, 1 if they are too noisy.
+  BW_REASON_UNSEEN = 16,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -498,6 +501,9 @@ enum BwValues
   BW_VALUES_MEANS = 13,
   // Root mean square of each averaged channel; NaN if it has none.
   BW_VALUES_ROOT_MEAN_SQUARES = 14,
+  // The smallest defect in each rising coordinate of the model, the last ones, that the segment would have shown: a
+  // part of the usual friction, or the amplitude at a bearing order, A; infinite if it shows none.
+  BW_VALUES_SMALLEST = 15,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -611,6 +617,11 @@ typedef struct BwReport {
   float distance;
   // -ln of the probability that a healthy segment is at least so unusual, nats; likewise.
   float surprise;
+  // The coordinate that departs most from the healthy class, 255 if there is none; without a projection it is a
+  // feature of `BW_MODEL_FEATURE_NAMES`.
+  uint8_t most;
+  // Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
+  bool falls;
 } BwReport;
 
 // The alarm, and what leads to it.
