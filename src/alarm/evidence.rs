@@ -296,11 +296,12 @@ impl<P: Plan> Evidence<P> {
     /// Raises the alarm if a direction reaches the limit in the run as it stands; the largest score.
     #[inline(never)]
     fn look(&mut self) -> f32 {
-        let (largest, direction) = self.runs.largest(self.run, self.constants.cap);
-        if self.alarm.is_none() && largest >= self.constants.limit {
+        let EvidenceConstants { cap, limit, .. } = self.constants;
+        let (largest, (direction, score)) = self.runs.largest(self.run, cap, limit);
+        if self.alarm.is_none() && largest >= limit {
             let cause = Cause::Coordinate(self.runs.coordinate(direction).unwrap_or(u8::MAX));
             self.alarm = Some(Alarm { segment: self.segments, cause });
-            self.main = self.runs.standing(direction, largest);
+            self.main = self.runs.standing(direction, score);
         }
         largest
     }

@@ -112,18 +112,22 @@ impl<P: Plan> Runs<P> {
         segments as f32 >= self.usual_segments
     }
 
-    /// The largest T of (6) of a run of so many segments, and its direction. Of directions at the cap, which have the
-    /// same score, it is the one that has risen most.
-    pub(super) fn largest(&self, segments: u32, cap: f32) -> (f32, u8) {
+    /// The largest T of (6) of a run of so many segments, and the direction that an alarm names, with its T. An order
+    /// above half of the limit precedes friction, which a defect of a race raises too, but no friction raises an order.
+    /// Of directions at the cap, which have the same score, it is the one that has risen most.
+    pub(super) fn largest(&self, segments: u32, cap: f32, limit: f32) -> (f32, (u8, f32)) {
         let terms = self.terms(segments, cap);
-        let (mut largest, mut risen) = ((0.0, 0), 0.0);
+        let (mut largest, mut named) = (0.0_f32, (0, (false, 0.0, 0.0)));
         for (place, direction) in pairs(0..u8::MAX, rolled(self.list.cells())) {
             let (top, deviations) = direction.largest(terms);
-            if top > largest.0 || (top >= largest.0 && deviations > risen) {
-                (largest, risen) = ((top, place), deviations);
+            largest = largest.max(top);
+            let rank = (direction.is_order() && top >= 0.5 * limit, top, deviations);
+            if rank > named.1 {
+                named = (place, rank);
             }
         }
-        largest
+        let (place, (_, top, _)) = named;
+        (largest, (place, top))
     }
 
     fn terms(&self, segments: u32, cap: f32) -> Terms {

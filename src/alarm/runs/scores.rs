@@ -28,6 +28,7 @@ const SUPPORTS: f32 = 0.7;
 pub(super) struct Scores {
     /// The coordinate that a defect raises.
     coordinate: u8,
+    order: bool,
     /// U, B as trained, W and γ.
     between: f32,
     run: f32,
@@ -72,9 +73,10 @@ pub(super) struct Lesson {
 
 impl Scores {
     pub(super) fn new(direction: &Direction, usual_segments: f32) -> Self {
-        let Direction { coordinate, between, run, segment, skewness, .. } = *direction;
+        let Direction { coordinate, order, between, run, segment, skewness, .. } = *direction;
         let mut scores = Self {
             coordinate,
+            order,
             between,
             run,
             segment,
@@ -267,6 +269,11 @@ impl Scores {
     /// Whether the drive's usual mean is more than three deviations of drives from that of the fleet.
     pub(super) fn is_far(&self) -> bool {
         (self.weighted / self.precision).abs() > 3.0 * libm::sqrtf(self.between)
+    }
+
+    /// Whether it is the strength of a bearing order.
+    pub(super) const fn is_order(&self) -> bool {
+        self.order
     }
 
     /// The coordinate that a defect raises.

@@ -80,6 +80,20 @@ fn of_directions_at_the_cap_the_alarm_names_the_one_that_has_risen_most() {
     }
 }
 
+/// A spall raises drag as well, but drag raises no order.
+#[test]
+fn an_order_that_has_risen_is_named_before_friction() {
+    let order = Direction { coordinate: 1, order: true, ..DIRECTION };
+    for (order_value, expected) in [(9.0, 1), (3.0, 1), (0.0, 0)] {
+        let mut evidence = evidence_of(vec![DIRECTION, order], 1.645, 100);
+        let alarm = (0..2).find_map(|_| run(&mut evidence, &[12.0, order_value]));
+        assert_eq!(alarm, Some(Alarm { segment: 2 * RUN, cause: Cause::Coordinate(expected) }), "{order_value}");
+        // (3 − 1.645)/√½: twice 2.33 nats, and ln 4 at first. Its own score is told.
+        let main = evidence.main_contribution().unwrap();
+        assert!(main.direction == expected && (main.score < LIMIT) == (order_value == 3.0), "{main:?}");
+    }
+}
+
 #[test]
 fn a_long_run_speaks_before_it_ends() {
     let mut evidence = evidence_of(vec![DIRECTION], 1.645, 1000);

@@ -244,7 +244,7 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     assert_eq!((blocks.controls.to_vec(), blocks.cell_turns_log2), ([62, 63, 64, 65].to_vec(), 66));
     assert_eq!([blocks.slip, blocks.slowest_rad_s, blocks.pole, blocks.high_pass], from(67));
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = constants.evidence;
-    assert_eq!(([bet, limit, cap], segments_a_run, [log_mean, defect_log_mean]), (from(254), 257, from(258)));
+    assert_eq!(([bet, limit, cap], segments_a_run, [log_mean, defect_log_mean]), (from(255), 258, from(259)));
     assert_eq!(constants.labels.iter().map(Label::as_str).collect::<Vec<_>>(), ["good", "spall"]);
 }
 
@@ -261,15 +261,15 @@ fn classifier(payload: &mut Payload) {
     payload.floats(1 + 2 * 2 * KNOTS); // 146: freedom; from 147: two laws
     payload.floats(2); // from 243: segments of a usual run, margin
     payload.bytes.extend([3, 4]); // runs that are learned
-    payload.bytes.push(7); // the coordinate of the direction
+    payload.bytes.extend([7, 1]); // the coordinate of the direction, and that it is an order
     for place in 1..=4 {
         payload.bytes.push(place);
         payload.floats(1); // from 245: weight in the background
     }
-    payload.floats(5); // from 249: centre, and the law
-    payload.floats(3); // from 254: bet, limit, cap
-    payload.word(); // 257: segments a run
-    payload.floats(2); // from 258: means of the logarithms
+    payload.floats(6); // from 249: centre, and the law
+    payload.floats(3); // from 255: bet, limit, cap
+    payload.word(); // 258: segments a run
+    payload.floats(2); // from 259: means of the logarithms
     payload.text("good", 16);
     payload.text("spall", 16);
 }
@@ -299,12 +299,14 @@ fn numbers_of_classifier_and_alarm_are_in_the_order_of_the_format() {
     let background = |k: u8| Background { coordinate: k, weight: 244.0 + f32::from(k) };
     let expected = crate::decide::Direction {
         coordinate: 7,
+        order: true,
         background: [1, 2, 3, 4].map(background),
         centre: 249.0,
         between: 250.0,
         run: 251.0,
         segment: 252.0,
         skewness: 253.0,
+        correlation: 254.0,
     };
     assert_eq!(directions.list, [expected]);
 }

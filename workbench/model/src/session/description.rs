@@ -244,7 +244,7 @@ fn directions_to_json(trained: &Trained) -> Value {
     let Some(found) = &trained.watch.directions else { return Value::Null };
     let names = &trained.coordinate_names;
     let form = |direction: &Direction| {
-        let Levels { centre, between, run, record, skewness, freedom } = direction.levels;
+        let Levels { centre, between, run, record, skewness, correlation, freedom } = direction.levels;
         json!({
             "name": direction.words(names),
             "coordinate": names[direction.coordinate],
@@ -258,6 +258,7 @@ fn directions_to_json(trained: &Trained) -> Value {
             "variance_between_runs": run,
             "variance_of_records": record,
             "skewness": skewness,
+            "correlation_of_successive_runs": correlation,
             "degrees_of_freedom": freedom,
         })
     };

@@ -51,6 +51,8 @@ pub struct Levels {
     pub record: f64,
     /// γ.
     pub skewness: f64,
+    /// ρ.
+    pub correlation: f64,
     /// f.
     pub freedom: f64,
 }
@@ -95,7 +97,7 @@ impl Levels {
             .map(|(runs, deviations)| (runs.len() as f64, deviations.map(|x| x.powi(3)).sum()))
             .collect();
         let skewness = skewness(&enough, spread);
-        let levels = Self { centre, between, run, record: record * larger, skewness, freedom };
+        let levels = Self { centre, between, run, record: record * larger, skewness, correlation: 0.0, freedom };
         let regular = [levels.between, levels.run, levels.record].iter().all(|x| x.is_finite() && *x > 0.0);
         (regular && levels.centre.is_finite()).then_some(levels)
     }

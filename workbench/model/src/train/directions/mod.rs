@@ -52,6 +52,8 @@ const STEADY: [&str; 2] = ["inverse_kt", "inertia"];
 pub struct Direction {
     /// Place of the coordinate.
     pub coordinate: usize,
+    /// Whether it is the strength of a bearing order.
+    pub order: bool,
     /// Places and weights of what is subtracted.
     pub background: Vec<(usize, f64)>,
     /// Mean and spreads.
@@ -70,15 +72,17 @@ impl Direction {
         for (cell, (coordinate, weight)) in background.iter_mut().zip(&self.background) {
             *cell = core::Background { coordinate: place(*coordinate)?, weight: *weight as f32 };
         }
-        let Levels { centre, between, run, record, skewness, .. } = self.levels;
+        let Levels { centre, between, run, record, skewness, correlation, .. } = self.levels;
         Ok(core::Direction {
             coordinate: place(self.coordinate)?,
+            order: self.order,
             background,
             centre: centre as f32,
             between: between as f32,
             run: run as f32,
             segment: record as f32,
             skewness: skewness as f32,
+            correlation: correlation as f32,
         })
     }
 
@@ -275,7 +279,8 @@ impl<'a> Rows<'a> {
     /// The direction of a coordinate, and a second one where what is left of it is sharper but no substitute.
     fn directions(&self, coordinate: usize) -> Option<(Direction, Option<Direction>)> {
         let all = self.sample(coordinate, &[]);
-        let plain = Direction { coordinate, background: vec![], levels: Levels::of(&all, 0)? };
+        let order = is_order(&self.set.names[coordinate]);
+        let plain = Direction { coordinate, order, background: vec![], levels: Levels::of(&all, 0)? };
         let Some(rest) = self.rest(coordinate, &all) else { return Some((plain, None)) };
         let usual = self.usual();
         let [of_run, of_rest] = [&plain, &rest].map(|direction| direction.levels.usual(usual));
@@ -302,6 +307,6 @@ impl<'a> Rows<'a> {
         let count = |sample: &Sample| sample.iter().flatten().map(Vec::len).sum::<usize>() as f64;
         let enough = !background.is_empty() && count(&sample) >= LEAST_PART * count(all);
         let levels = Levels::of(&sample, background.len()).filter(|_| enough)?;
-        Some(Direction { coordinate, background, levels })
+        Some(Direction { coordinate, order: is_order(&names[coordinate]), background, levels })
     }
 }
