@@ -5,27 +5,34 @@
 //!
 //! ```text
 //! segment    ω = 1/(1 + v/W),   N ← N + ω,   Y ← Y + ω y                                              (1)
-//! run        x = Y/N,   s² = B + W/N                                                                   (2)
+//! run        x = Y/N,   y = x − α,   h = 1 − c,   s² = P + W/N                                         (2)
 //! reference  û = Q/Λ,   r = û + q/√Λ;   at first Λ = 1/U, Q = 0                                        (3)
-//! score      t = (x − r)/s,   z = (6/γ) (∛(1 + γ t/2) − 1) + γ/6                                       (4)
-//! bet        ℓ_j = min(a_j z − a_j²/2, cap),   a_j = δ_j √(B + W/n₀)/s,   δ_j = 1, 2, 4                (5)
+//! score      t = (y − h r)/s,   z = (6/γ) (∛(1 + γ t/2) − 1) + γ/6                                       (4)
+//! bet        ℓ_j = min(a_j z − a_j²/2, cap),   a_j = δ_j √(P + W/n₀)/s,   δ_j = 1, 2, 4                (5)
 //! sequence   T_j = max(S_j, ln min(n, n₀)) + ℓ_j;   at the end of the run S_j ← max(0, T_j)            (6)
 //! alarm      where T_j ≥ limit,   limit = ln T + ln(number of scores)                                  (7)
-//! learning   at the end of a run: Λ ← Λ + 1/s²,   Q ← Q + x/s²                                         (8)
-//! guarded    after a denial only if all T_j ≤ ln min(n, n₀) and |x − û′| ≤ q √(1/Λ′ + s²)              (9)
+//! learning   at the end of a run: Λ ← Λ + h²/s²,   Q ← Q + h y/s²                                      (8)
+//! guarded    after a denial only if all T_j ≤ ln min(n, n₀) and |x − û′| ≤ q √(1/Λ′ + B + W/N)         (9)
+//! offset     k = P/s²,   α ← α + k (min(max(t, −4), 4) s + h r),   c ← c + k h,   P ← P (1 − k);
+//!            of the next run α ← ρ α,   c ← ρ c,   P ← ρ² P + (1 − ρ²) B;   at first 0, 0, B          (10)
 //! ```
 //!
-//! v is the variance of the error of y, and n the number of segments of the run. U, B and W are the variances between
-//! drives, runs of a drive, and segments of a run; n₀ is a usual n.
+//! v is the variance of the error of a segment's y, and n the number of segments of the run. U, B and W are the
+//! variances between drives, runs of a drive, and segments of a run; n₀ is a usual n. ρ is the correlation of the
+//! offsets b of successive runs, as of weather; α − c r is the offset that is expected of a drive with the mean r, P the
+//! variance of its error: (10) is Kalman's filter. With ρ = 0 nothing is expected, y = x and P = B.
 //!
-//! **Why this keeps the set time.** Let the drive's offset be at most r. Then
-//! L = exp(δ s₀ (x − r)/s² − (δ s₀)²/(2 s²)) is the ratio of the densities of the run's segments with an offset that is
-//! δ s₀ larger, and r; the offset b of the run is integrated out. So L is a supermartingale in the segments, however
-//! they depend on each other through b, and so is min(L, e^cap), since the minimum is concave. With R ← (R + n) L over
-//! runs, E R ≤ the number of segments so far, also where one stops within a run; e^T ≤ R, as the floor and the lesser
-//! of n and n₀ only lower T. Hence the mean number of segments until a score reaches the limit is at least e^limit
-//! (Lorden 1971; Shin, Ramdas and Rinaldo, e-detectors, 2023), and the rates of all scores at most add up: (7). These
-//! are e-processes under a normal law with random effects; they are not conformal.
+//! **Why this keeps the set time.** Let the drive's mean be u ≤ r. Given the runs before, y has the mean h u and the
+//! variance s²: α and c hold for any mean. Then L = exp(δ s₀ (y − h r)/s² − (δ s₀)²/(2 s²)), s₀² = P + W/n₀, is at most
+//! the ratio of the densities of the run's segments, given the runs before, with an offset that is δ s₀ larger and
+//! without; the offset b of the run is integrated out. So L is a supermartingale in the segments, however they depend
+//! on each other through b, and so is min(L, e^cap), since the minimum is concave. With R ← (R + n) L over runs, E R ≤ the
+//! number of segments so far, also where one stops within a run; e^T ≤ R, as the floor and the lesser of n and n₀ only
+//! lower T. Hence the mean number of segments until a score reaches the limit is at least e^limit (Lorden 1971; Shin,
+//! Ramdas and Rinaldo, e-detectors, 2023), and the rates of all scores at most add up: (7). These are e-processes under
+//! a normal law with random effects; they are not conformal. (10) deviates from this law where a run is unexpected by
+//! more than four deviations, 1 of 16 000: its offset lasts as if it were by four. What comes and does not go is a
+//! defect, and a disturbed run does not last; unlimited, the filter would expect either to stay.
 //!
 //! **The reference** is the posterior of the drive's offset, by the law of the fleet on the first day and sharper with
 //! each run (8). What is not known of it is one offset for all runs: were it part of s², each run would be believed and
@@ -41,8 +48,8 @@
 //! (4) is the normal score of a value of skewness γ (Wilson and Hilferty 1931). Training sets the cap to 0.62 (limit −
 //! ln n₀), and at most limit − ln n₀ − 2: one run, however wild, raises no alarm, and two do. A run longer than n₀ is
 //! looked at after each of its segments. Three bets instead of one mixture: a mixture within a run would cost its
-//! logarithm in every run, and small lasting changes would never add up. Not covered are offsets that last for several
-//! runs, as of weather that is no covariate; a run must be from power-up to power-up, or a day, and not a part of one.
+//! logarithm in every run, and small lasting changes would never add up. A run must be from power-up to power-up, or a
+//! day, and not a part of one. Lorden's bound is one for run means: it counts segments, but a run speaks once.
 
 mod scores;
 

@@ -17,6 +17,9 @@ const WIDER: f32 = 2.25;
 const MOST_DENIED: u8 = 3;
 /// A smaller skewness has no effect.
 const SKEWED: f32 = 0.05;
+/// An offset that is unexpected by more than so many deviations lasts as if it were by these: a defect, or a disturbed
+/// run, is no offset that comes and goes.
+const LASTS: f32 = 4.0;
 /// Standard deviations by which a size is plain in a segment.
 const PLAIN: f32 = 4.0;
 /// A bet counts for the onset if its score is at least this part of the direction's largest.
@@ -29,18 +32,21 @@ pub(super) struct Scores {
     /// The coordinate that a defect raises.
     coordinate: u8,
     order: bool,
-    /// U, B as trained, W and γ.
+    /// U, B as trained, W, γ and ρ.
     between: f32,
     run: f32,
     segment: f32,
     skewness: f32,
+    correlation: f32,
     /// N and Y of (1).
     count: f32,
     sum: f32,
     /// Λ and Q of (3).
     precision: f32,
     weighted: f32,
-    /// The same when no bet had evidence of a change; from the first denial on it stays.
+    /// α, c and P of (10) after the last run.
+    lasting: Lasting,
+    /// Λ and Q when no bet had evidence of a change; from the first denial on it stays.
     sure: [f32; 2],
     /// S of (6), and the number of the last segment at which it held no evidence.
     scores: [f32; BETS.len()],
@@ -53,7 +59,7 @@ pub(super) struct Scores {
 }
 
 /// Words of a direction in a saved state.
-pub(in crate::alarm) const WORDS: usize = 14 + growth::WORDS;
+pub(in crate::alarm) const WORDS: usize = 17 + growth::WORDS;
 
 /// What the bets of a run are judged by: n₀, q, ln min(n, n₀), and the cap of (5).
 #[derive(Clone, Copy)]
@@ -62,6 +68,30 @@ pub(super) struct Terms {
     pub(super) margin: f32,
     pub(super) log: f32,
     pub(super) cap: f32,
+}
+
+/// The offset of a run, α − c r for a drive of the mean r, and the variance of its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Lasting {
+    offset: f32,
+    part: f32,
+    variance: f32,
+}
+
+/// y, h and s² of (2): what a run says of the drive's mean r is y = h r, with this variance.
+#[derive(Clone, Copy)]
+struct News {
+    y: f32,
+    part: f32,
+    variance: f32,
+}
+
+impl News {
+    /// (y − h r)/s.
+    fn deviations(self, reference: f32) -> f32 {
+        (self.y - self.part * reference) / libm::sqrtf(self.variance)
+    }
 }
 
 /// Whether a run that ends is learned, and if so, only by (9).
@@ -73,7 +103,7 @@ pub(super) struct Lesson {
 
 impl Scores {
     pub(super) fn new(direction: &Direction, usual_segments: f32) -> Self {
-        let Direction { coordinate, order, between, run, segment, skewness, .. } = *direction;
+        let Direction { coordinate, order, between, run, segment, skewness, correlation, .. } = *direction;
         let mut scores = Self {
             coordinate,
             order,
@@ -81,10 +111,12 @@ impl Scores {
             run,
             segment,
             skewness,
+            correlation,
             count: 0.0,
             sum: 0.0,
             precision: 1.0,
             weighted: 0.0,
+            lasting: Lasting { offset: 0.0, part: 0.0, variance: run },
             sure: [1.0, 0.0],
             scores: [0.0; BETS.len()],
             since: [0; BETS.len()],
@@ -100,6 +132,7 @@ impl Scores {
         (self.count, self.sum, self.deviations, self.denied) = (0.0, 0.0, 0.0, 0);
         (self.precision, self.weighted) = (1.0 / self.between, 0.0);
         self.sure = [self.precision, self.weighted];
+        self.lasting = Lasting { offset: 0.0, part: 0.0, variance: self.run };
         (self.scores, self.since) = ([0.0; BETS.len()], [0; BETS.len()]);
         let s = self.usual(self.run, usual_segments);
         self.course = Course::new(self.between / (s * s));
@@ -114,7 +147,27 @@ impl Scores {
         }
     }
 
-    /// x and s² of (2); `None` if the direction had no value.
+    /// (10): what is expected of the next run.
+    fn expected(&self) -> Lasting {
+        let Lasting { offset, part, variance } = self.lasting;
+        let (rho, squared) = (self.correlation, self.correlation * self.correlation);
+        let variance = squared * variance + (1.0 - squared) * self.run_variance();
+        Lasting { offset: rho * offset, part: rho * part, variance }
+    }
+
+    /// (2); `None` if the direction had no value.
+    fn news(&self) -> Option<News> {
+        let Lasting { offset, part, variance } = self.expected();
+        let (x, _) = self.mean()?;
+        Some(News { y: x - offset, part: 1.0 - part, variance: variance + self.segment / self.count })
+    }
+
+    /// r of (3).
+    fn reference(&self, margin: f32) -> f32 {
+        self.weighted / self.precision + margin / libm::sqrtf(self.precision)
+    }
+
+    /// x, and its variance B + W/N where nothing is known of other runs; `None` if the direction had no value.
     fn mean(&self) -> Option<(f32, f32)> {
         (self.count > 0.0).then(|| (self.sum / self.count, self.run_variance() + self.segment / self.count))
     }
@@ -132,11 +185,10 @@ impl Scores {
     /// T of (6) for each bet.
     #[inline(never)]
     fn sequence(&self, terms: Terms) -> [f32; BETS.len()] {
-        let Some((x, variance)) = self.mean() else { return self.scores };
-        let s = libm::sqrtf(variance);
-        let reference = self.weighted / self.precision + terms.margin / libm::sqrtf(self.precision);
-        let z = normal_score((x - reference) / s, self.skewness);
-        let usual = self.usual(self.run_variance(), terms.usual_segments) / s;
+        let Some(news) = self.news() else { return self.scores };
+        let z = normal_score(news.deviations(self.reference(terms.margin)), self.skewness);
+        let of_offset = news.variance - self.segment / self.count;
+        let usual = self.usual(of_offset, terms.usual_segments) / libm::sqrtf(news.variance);
         let mut all = self.scores;
         for (score, bet) in pairs(&mut all, BETS) {
             let a = bet * usual;
@@ -217,7 +269,11 @@ impl Scores {
 
     /// Ends the run at this segment.
     pub(super) fn end(&mut self, terms: Terms, lesson: Lesson, now: u32) {
-        let Some((x, variance)) = self.mean() else { return };
+        let expected = self.expected();
+        let (Some(mean), Some(news)) = (self.mean(), self.news()) else {
+            self.lasting = expected;
+            return;
+        };
         let all = self.sequence(terms);
         for ((score, since), t) in pairs(pairs(&mut self.scores, &mut self.since), all) {
             *score = t.max(0.0);
@@ -226,10 +282,12 @@ impl Scores {
             }
         }
         let no_evidence = all.iter().all(|t| *t <= terms.log);
-        self.deviations = self.deviations_of((x, variance));
-        if lesson.learns && (!lesson.guarded || (no_evidence && self.is_sure(x, variance, terms))) {
-            self.precision += 1.0 / variance;
-            self.weighted += x / variance;
+        self.deviations = self.deviations_of(mean);
+        self.lasting = follow(expected, news, self.reference(terms.margin));
+        if lesson.learns && (!lesson.guarded || (no_evidence && self.is_sure(mean, terms))) {
+            let News { y, part, variance } = news;
+            self.precision += part * part / variance;
+            self.weighted += part * y / variance;
         }
         if no_evidence && !lesson.guarded {
             self.sure = [self.precision, self.weighted];
@@ -238,7 +296,7 @@ impl Scores {
     }
 
     /// (9).
-    fn is_sure(&self, x: f32, variance: f32, terms: Terms) -> bool {
+    fn is_sure(&self, (x, variance): (f32, f32), terms: Terms) -> bool {
         let [precision, weighted] = self.sure;
         (x - weighted / precision).abs() <= terms.margin * libm::sqrtf(1.0 / precision + variance)
     }
@@ -249,9 +307,10 @@ impl Scores {
     }
 
     /// Widens the law, for at most [`MOST_DENIED`] times.
-    pub(super) const fn widen(&mut self) {
+    pub(super) fn widen(&mut self) {
         if self.denied < MOST_DENIED {
             self.denied = self.denied.wrapping_add(1);
+            self.lasting.variance *= WIDER;
         }
     }
 
@@ -283,8 +342,10 @@ impl Scores {
 
     /// Hands out the words in their order.
     pub(super) fn save(&self, put: &mut impl FnMut(u32)) {
-        let Self { count, sum, precision, weighted, sure, scores, since, deviations, course, .. } = self;
-        [*count, *sum, *precision, *weighted].iter().chain(sure).chain(scores).for_each(|x| put(x.to_bits()));
+        let Self { count, sum, precision, weighted, lasting, sure, scores, since, deviations, course, .. } = self;
+        let Lasting { offset, part, variance } = *lasting;
+        let of_runs = [*count, *sum, *precision, *weighted, offset, part, variance];
+        of_runs.iter().chain(sure).chain(scores).for_each(|x| put(x.to_bits()));
         since.iter().for_each(|segment| put(*segment));
         put(deviations.to_bits());
         put(self.denied.into());
@@ -296,6 +357,7 @@ impl Scores {
         let mut float = || take().map(f32::from_bits);
         (self.count, self.sum) = (float()?, float()?);
         (self.precision, self.weighted) = (float()?, float()?);
+        self.lasting = Lasting { offset: float()?, part: float()?, variance: float()? };
         self.sure = [float()?, float()?];
         for score in &mut self.scores {
             *score = float()?;
@@ -305,13 +367,36 @@ impl Scores {
         }
         (self.deviations, self.denied) = (f32::from_bits(take()?), u8::try_from(take()?).ok()?);
         self.course = Course::restore(take)?;
-        let Self { count, sum, precision, weighted, sure, scores, since, deviations, between, .. } = *self;
-        let numbers = [sum, weighted, sure[1], deviations].iter().all(|x| x.is_finite());
+        let Self { count, sum, precision, weighted, lasting, sure, scores, since, deviations, between, .. } = *self;
+        let numbers = [sum, weighted, lasting.offset, sure[1], deviations].iter().all(|x| x.is_finite());
+        let lasts = (0.0..=1.01).contains(&lasting.part) && lasting.variance >= 0.0;
+        let numbers = numbers && lasts && lasting.variance <= 1.01 * self.run_variance();
         let counted = (0.0..=1.01 * segments as f32 + 1.0).contains(&count) && self.denied <= MOST_DENIED;
         let known = sure[0] >= 0.99 / between && precision >= sure[0] && precision.is_finite();
         let scored = scores.iter().all(|score| (0.0..f32::INFINITY).contains(score));
         let good = numbers && counted && known && scored && since.iter().all(|segment| *segment <= segments);
         good.then_some(())
+    }
+}
+
+/// (10) after a run, for a drive of the mean r.
+fn follow(expected: Lasting, news: News, reference: f32) -> Lasting {
+    let gain = expected.variance / news.variance;
+    let deviations = news.deviations(reference);
+    // Written so that NaN changes nothing.
+    let lasts = if deviations.abs() <= LASTS {
+        deviations
+    } else if deviations > LASTS {
+        LASTS
+    } else if deviations < -LASTS {
+        -LASTS
+    } else {
+        0.0
+    };
+    Lasting {
+        offset: expected.offset + gain * (lasts * libm::sqrtf(news.variance) + news.part * reference),
+        part: expected.part + gain * news.part,
+        variance: expected.variance * (1.0 - gain),
     }
 }
 

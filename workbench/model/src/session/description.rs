@@ -93,10 +93,17 @@ pub fn lines(trained: &Trained, channels: &Channels, host: Preparation) -> Vec<S
 pub fn doubts(trained: &Trained) -> Vec<String> {
     let own = trained.left_out.summary().into_iter().chain(trained.watch.warning.clone());
     let unwatched = trained.watch.directions.iter().filter_map(|own| own.unwatched(&trained.coordinate_names));
+    let lasting = trained.watch.directions.iter().filter_map(|own| own.unordered(&trained.coordinate_names));
     let doubted = trained.doubted.iter().flat_map(Doubted::lines);
     let dependence = trained.dependence.iter().map(Dependence::line);
     let cut = label::cut(&trained.classes);
-    own.chain(unwatched).chain(dependence).chain(doubted).chain(rotor_warnings(trained)).chain(cut).collect()
+    own.chain(unwatched)
+        .chain(lasting)
+        .chain(dependence)
+        .chain(doubted)
+        .chain(rotor_warnings(trained))
+        .chain(cut)
+        .collect()
 }
 
 /// Warns if the host prepares what the detector cannot.

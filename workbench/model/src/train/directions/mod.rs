@@ -12,6 +12,7 @@
 //! not. The rows say which ([`super::Validation::groups`]), and which drive ([`super::Validation::units`]).
 
 mod background;
+mod lasting;
 mod levels;
 #[cfg(test)]
 mod tests;
@@ -82,7 +83,7 @@ impl Direction {
             run: run as f32,
             segment: record as f32,
             skewness: skewness as f32,
-            correlation: correlation as f32,
+            correlation: correlation.unwrap_or(0.0) as f32,
         })
     }
 
