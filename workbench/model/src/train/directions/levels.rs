@@ -42,7 +42,7 @@ const UNKNOWN_SKEWNESS: f64 = 1.0;
 const ITERATIONS: usize = 50;
 
 /// Values of one direction by drive, run and record, each with the excess variance of its error.
-pub(super) type Sample = Vec<Vec<Vec<[f64; 2]>>>;
+pub type Sample = Vec<Vec<Vec<[f64; 2]>>>;
 
 /// The constants of a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +71,8 @@ impl Levels {
 
     /// Estimates (1) to (7) of a direction with so many fitted weights; `None` if the records say too little or are
     /// constant.
-    pub(super) fn of(sample: &Sample, fitted: usize) -> Option<Self> {
+    #[must_use]
+    pub fn of(sample: &Sample, fitted: usize) -> Option<Self> {
         let record = record(sample)?;
         let means = means(sample, record);
         let drives: Vec<Vec<[f64; 2]>> = means.into_iter().filter(|runs| !runs.is_empty()).collect();

@@ -24,8 +24,7 @@ use bearing_watch::model as core;
 use bearing_watch::plan::RunTime;
 use nalgebra::DVector;
 
-use levels::Sample;
-pub use levels::{FEWEST, Levels};
+pub use levels::{FEWEST, Levels, Sample};
 
 use super::{Candidates, FeatureTable, ProjectionKind, Recipe, Validation};
 use crate::core::coordinates::{is_order, quantity};
@@ -47,6 +46,19 @@ const LEAST_PART: f64 = 0.9;
 const RISING: [&str; 3] = ["viscous", "coulomb", "drag"];
 /// What no defect changes: of friction and orders, this may be subtracted.
 const STEADY: [&str; 2] = ["inverse_kt", "inertia"];
+
+/// The most that one run adds to a score, as a part of the limit, and what it leaves of it, nats.
+const CAP: f64 = 0.62;
+const APART: f64 = 2.0;
+
+/// The limit of the scores of so many directions for so many segments between false alarms, and the most that a run
+/// of a usual length adds to a score.
+#[must_use]
+pub fn limit_and_cap(segments: f64, directions: usize, usual: f64) -> [f64; 2] {
+    let limit = segments.ln() + ((directions * BETS.len()) as f64).ln();
+    let room = limit - usual.ln();
+    [limit, (CAP * room).min(room - APART)]
+}
 
 /// What the alarm watches: a coordinate less its background.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,12 +146,6 @@ impl Directions {
             margin: MARGIN as f32,
             most_runs: MOST_RUNS,
         })
-    }
-
-    /// ln(K): the part of the limit that is due to the number of scores.
-    #[must_use]
-    pub fn log_scores(&self) -> f64 {
-        ((self.list.len() * BETS.len()) as f64).ln()
     }
 }
 
