@@ -267,7 +267,7 @@ impl<P: Plan> Evidence<P> {
     pub fn end_run(&mut self) -> Option<Alarm> {
         let (Some(healthy), 1..) = (self.healthy, self.run) else { return self.alarm };
         if self.runs.are_used() {
-            let quiet = self.look() < 0.5 * self.constants.limit;
+            let quiet = self.look() < 0.5 * self.constants.limit && self.alarm.is_none();
             self.runs.end(self.run, self.constants.cap, quiet, self.segments);
             self.run = 0;
             return self.alarm;
@@ -296,11 +296,12 @@ impl<P: Plan> Evidence<P> {
     /// Raises the alarm if a direction reaches the limit in the run as it stands; the largest score.
     #[inline(never)]
     fn look(&mut self) -> f32 {
-        let (largest, direction) = self.runs.largest(self.run, self.constants.cap);
-        if self.alarm.is_none() && largest >= self.constants.limit {
+        let EvidenceConstants { cap, limit, .. } = self.constants;
+        let (largest, (direction, score)) = self.runs.largest(self.run, cap, limit);
+        if self.alarm.is_none() && largest >= limit {
             let cause = Cause::Coordinate(self.runs.coordinate(direction).unwrap_or(u8::MAX));
             self.alarm = Some(Alarm { segment: self.segments, cause });
-            self.main = self.runs.standing(direction, largest);
+            self.main = self.runs.standing(direction, score);
         }
         largest
     }
@@ -389,8 +390,9 @@ impl<P: Plan> Evidence<P> {
 
     /// Denies the alarm that stands, because the bearing was inspected and is sound; without one nothing changes, and
     /// the result is false. Scores start afresh, and the standard deviation of runs of the direction that raised the
-    /// alarm becomes 1.5 times as large, for at most three such alarms. A defect that is denied again and again
-    /// therefore raises the alarm again and again.
+    /// alarm becomes 1.5 times as large, for at most three such alarms. The drive's usual mean goes back to what it was
+    /// before the runs that supported the alarm, and later runs change it only if they would have been usual then. A
+    /// defect that is denied again and again therefore raises the alarm again and again.
     pub fn deny(&mut self) -> bool {
         if self.alarm.is_none() {
             return false;

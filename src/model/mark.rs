@@ -31,8 +31,10 @@ impl Mark {
     const fn directions(self, directions: &[Direction]) -> Self {
         let (mut mark, mut rest) = (self, directions);
         while let [direction, later @ ..] = rest {
-            let Direction { coordinate, background, centre, between, run, segment, skewness } = *direction;
-            mark = mark.word(coordinate as u32).floats(&[centre, between, run, segment, skewness]);
+            let Direction { coordinate, order, background, centre, between, run, segment, skewness, correlation } =
+                *direction;
+            mark = mark.word(coordinate as u32).word(order as u32);
+            mark = mark.floats(&[centre, between, run, segment, skewness, correlation]);
             let mut left: &[Background] = &background;
             while let [Background { coordinate, weight }, others @ ..] = left {
                 mark = mark.word(*coordinate as u32).floats(&[*weight]);

@@ -291,12 +291,13 @@ fn read_directions<P: Plan>(reader: &mut Reader<'_>, directions: &mut Directions
     (directions.usual_segments, directions.margin) = (reader.f32()?, reader.f32()?);
     directions.most_runs = reader.u16()?;
     for direction in directions.list.cells_mut() {
-        direction.coordinate = reader.u8()?;
+        (direction.coordinate, direction.order) = (reader.u8()?, reader.flag(Field::Direction)?);
         for background in &mut direction.background {
             *background = Background { coordinate: reader.u8()?, weight: reader.f32()? };
         }
         (direction.centre, direction.between) = (reader.f32()?, reader.f32()?);
-        (direction.run, direction.segment, direction.skewness) = (reader.f32()?, reader.f32()?, reader.f32()?);
+        (direction.run, direction.segment) = (reader.f32()?, reader.f32()?);
+        (direction.skewness, direction.correlation) = (reader.f32()?, reader.f32()?);
     }
     Ok(())
 }

@@ -356,11 +356,12 @@ const fn check_directions(parts: &Parts<'_>) -> Result<(), ModelError> {
     require!(layout.directions == 0 || (margin >= 0.0 && margin <= 10.0), Direction);
     let mut directions = parts.directions;
     while let [direction, rest @ ..] = directions {
-        let Direction { coordinate, background, centre, between, run, segment, skewness } = *direction;
+        let Direction { coordinate, background, centre, between, run, segment, skewness, correlation, .. } = *direction;
         require!(coordinate < layout.coordinates, Direction);
         require!(all_within(&[centre], -LARGEST, LARGEST), Direction);
         require!(all_within(&[between, run, segment], LEAST_VARIANCE, LARGEST), Direction);
         require!(all_within(&[skewness], 0.0, 10.0), Direction);
+        require!(all_within(&[correlation], 0.0, 0.999), Direction);
         let mut left: &[Background] = &background;
         while let [Background { coordinate, weight }, others @ ..] = left {
             require!(*coordinate < layout.coordinates && all_within(&[*weight], -LARGEST, LARGEST), Direction);

@@ -204,13 +204,15 @@ fn write_classifier<P: Plan>(writer: &mut Writer<impl Sink>, classifier: &Classi
 fn write_directions<P: Plan>(writer: &mut Writer<impl Sink>, directions: &Directions<P>) -> Result<(), ModelError> {
     writer.floats(&[directions.usual_segments, directions.margin])?;
     writer.bytes(&directions.most_runs.to_le_bytes())?;
-    for Direction { coordinate, background, centre, between, run, segment, skewness } in directions.list.cells() {
-        writer.bytes(&[*coordinate])?;
+    for direction in directions.list.cells() {
+        let Direction { coordinate, order, background, centre, between, run, segment, skewness, correlation } =
+            direction;
+        writer.bytes(&[*coordinate, u8::from(*order)])?;
         for Background { coordinate, weight } in background {
             writer.bytes(&[*coordinate])?;
             writer.floats(&[*weight])?;
         }
-        writer.floats(&[*centre, *between, *run, *segment, *skewness])?;
+        writer.floats(&[*centre, *between, *run, *segment, *skewness, *correlation])?;
     }
     Ok(())
 }

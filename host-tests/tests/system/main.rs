@@ -14,6 +14,7 @@ mod identification;
 mod implausible_signals;
 mod instruments_model;
 mod lab_files;
+mod lasting;
 mod piecewise;
 mod priors_and_costs;
 mod recorded_actuators;

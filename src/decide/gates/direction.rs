@@ -34,6 +34,9 @@ pub struct Background {
 pub struct Direction {
     /// The coordinate that a defect raises.
     pub coordinate: u8,
+    /// Whether it is the strength of a bearing order, which names the race. An alarm names it before friction, which a
+    /// defect of a race raises too.
+    pub order: bool,
     /// What explains a part of it.
     pub background: [Background; MAX_BACKGROUND],
     /// c of (1): the mean of drives.
@@ -46,18 +49,22 @@ pub struct Direction {
     pub segment: f32,
     /// Skewness of the means of runs.
     pub skewness: f32,
+    /// ρ, the correlation of b of (2) between successive runs of a drive.
+    pub correlation: f32,
 }
 
 impl Direction {
     /// A direction along a coordinate, of unit variances.
     pub const UNIT: Self = Self {
         coordinate: 0,
+        order: false,
         background: [Background { coordinate: 0, weight: 0.0 }; MAX_BACKGROUND],
         centre: 0.0,
         between: 1.0,
         run: 1.0,
         segment: 1.0,
         skewness: 0.0,
+        correlation: 0.0,
     };
 
     /// (1); missing if a coordinate with a weight is.

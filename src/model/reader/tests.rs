@@ -245,7 +245,7 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     assert_eq!((blocks.controls.to_vec(), blocks.cell_turns_log2), ([65, 66, 67, 68].to_vec(), 69));
     assert_eq!([blocks.slip, blocks.slowest_rad_s, blocks.pole, blocks.high_pass], from(70));
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = constants.evidence;
-    assert_eq!(([bet, limit, cap], segments_a_run, [log_mean, defect_log_mean]), (from(262), 265, from(266)));
+    assert_eq!(([bet, limit, cap], segments_a_run, [log_mean, defect_log_mean]), (from(263), 266, from(267)));
     assert_eq!(constants.labels.iter().map(Label::as_str).collect::<Vec<_>>(), ["good", "spall"]);
 }
 
@@ -263,15 +263,15 @@ fn classifier(payload: &mut Payload) {
     payload.floats(2 * 2 * KNOTS); // from 152: two laws
     payload.floats(2); // from 248: segments of a usual run, margin
     payload.bytes.extend([3, 4]); // runs that are learned
-    payload.bytes.push(7); // the coordinate of the direction
+    payload.bytes.extend([7, 1]); // the coordinate of the direction, and that it is an order
     for place in 1..=4 {
         payload.bytes.push(place);
         payload.floats(1); // from 250: weight in the background
     }
-    payload.floats(5); // from 254: centre, and the law
-    payload.floats(3); // from 259: bet, limit, cap
-    payload.word(); // 262: segments a run
-    payload.floats(2); // from 263: means of the logarithms
+    payload.floats(6); // from 254: centre, and the law
+    payload.floats(3); // from 260: bet, limit, cap
+    payload.word(); // 263: segments a run
+    payload.floats(2); // from 264: means of the logarithms
     payload.text("good", 16);
     payload.text("spall", 16);
 }
@@ -306,12 +306,14 @@ fn numbers_of_classifier_and_alarm_are_in_the_order_of_the_format() {
     let background = |k: u8| Background { coordinate: k, weight: 249.0 + f32::from(k) };
     let expected = crate::decide::Direction {
         coordinate: 7,
+        order: true,
         background: [1, 2, 3, 4].map(background),
         centre: 254.0,
         between: 255.0,
         run: 256.0,
         segment: 257.0,
         skewness: 258.0,
+        correlation: 259.0,
     };
     assert_eq!(directions.list, [expected]);
 }

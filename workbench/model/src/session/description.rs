@@ -93,10 +93,17 @@ pub fn lines(trained: &Trained, channels: &Channels, host: Preparation) -> Vec<S
 pub fn doubts(trained: &Trained) -> Vec<String> {
     let own = trained.left_out.summary().into_iter().chain(trained.watch.warning.clone());
     let unwatched = trained.watch.directions.iter().filter_map(|own| own.unwatched(&trained.coordinate_names));
+    let lasting = trained.watch.directions.iter().filter_map(|own| own.unordered(&trained.coordinate_names));
     let doubted = trained.doubted.iter().flat_map(Doubted::lines);
     let dependence = trained.dependence.iter().map(Dependence::line);
     let cut = label::cut(&trained.classes);
-    own.chain(unwatched).chain(dependence).chain(doubted).chain(rotor_warnings(trained)).chain(cut).collect()
+    own.chain(unwatched)
+        .chain(lasting)
+        .chain(dependence)
+        .chain(doubted)
+        .chain(rotor_warnings(trained))
+        .chain(cut)
+        .collect()
 }
 
 /// Warns if the host prepares what the detector cannot.
@@ -244,7 +251,7 @@ fn directions_to_json(trained: &Trained) -> Value {
     let Some(found) = &trained.watch.directions else { return Value::Null };
     let names = &trained.coordinate_names;
     let form = |direction: &Direction| {
-        let Levels { centre, between, run, record, skewness, freedom } = direction.levels;
+        let Levels { centre, between, run, record, skewness, correlation, freedom } = direction.levels;
         json!({
             "name": direction.words(names),
             "coordinate": names[direction.coordinate],
@@ -258,6 +265,7 @@ fn directions_to_json(trained: &Trained) -> Value {
             "variance_between_runs": run,
             "variance_of_records": record,
             "skewness": skewness,
+            "correlation_of_successive_runs": correlation,
             "degrees_of_freedom": freedom,
         })
     };

@@ -363,16 +363,25 @@ fn directions(out: &mut Source, Directions { list, usual_segments, margin, most_
     }
     out.line(3, "directions: Directions {");
     out.line(4, "list: [");
-    for Direction { coordinate, background, centre, between, run, segment, skewness } in list {
+    for direction in list {
+        let Direction { coordinate, order, background, centre, between, run, segment, skewness, correlation } =
+            direction;
         out.line(5, "Direction {");
         out.line(6, &format!("coordinate: {coordinate},"));
+        out.line(6, &format!("order: {order},"));
         out.line(6, "background: [");
         for Background { coordinate, weight } in background {
             out.line(7, &format!("Background {{ coordinate: {coordinate}, weight: {} }},", number(*weight)));
         }
         out.line(6, "],");
-        let numbers =
-            [("centre", centre), ("between", between), ("run", run), ("segment", segment), ("skewness", skewness)];
+        let numbers = [
+            ("centre", centre),
+            ("between", between),
+            ("run", run),
+            ("segment", segment),
+            ("skewness", skewness),
+            ("correlation", correlation),
+        ];
         numbers.into_iter().for_each(|(name, value)| out.line(6, &format!("{name}: {},", number(*value))));
         out.line(5, "},");
     }

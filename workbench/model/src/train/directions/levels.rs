@@ -9,14 +9,18 @@
 //! B = max(C − W mean(1/N), C/50),   B, W ← × f/χ²_0.3(f)                  (4)
 //! U = max(v (1 + 1/I) (I − 1)/χ²_0.05(I − 1) − C/m, C/(2m)),   v: variance of the x̄_i            (5)
 //! U = C/m                                                                 (6)  for a single drive
-//! γ = skewness of x − x̄_i + ½ √(6/Σ m_i),   0.01 … 1.5                    (7)
+//! γ = skewness of (y − h û_i)/s + ½ √(6/Σ m_i),   0.01 … 1.5              (7)  y, h, s, û of [`super::lasting`]
 //! ```
+//!
+//! The offsets of successive runs may resemble each other: [`super::lasting`] finds ρ, and B in the place of (4).
 //!
 //! (4) takes the noise at its upper limit of 70 %, (5) the spread of drives at that of 95 % for a drive that is not
 //! among them, and never below what the means of the drives resolve: an offset that is thought to be impossible would
 //! never be learned. A single drive is judged from its mean, which has the variance (6); of other drives it says
-//! nothing. (7) is unbiased for the third moment: m/((m − 1)(m − 2)) Σ (x − x̄)³ of each drive, weighted by m − 2.
+//! nothing. With ρ = 0, (7) is that of x − x̄_i, and unbiased for the third moment: m/((m − 1)(m − 2)) Σ (x − x̄)³ of
+//! each drive, weighted by m − 2.
 
+use super::lasting;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Fewest degrees of freedom (3).
@@ -27,6 +31,8 @@ const NOISE: f64 = 0.3;
 const BETWEEN: f64 = 0.05;
 /// Least part of the spread of runs that is between them.
 const LEAST_PART: f64 = 0.02;
+/// The same of a first estimate.
+const LEAST_FIRST: f64 = 0.1;
 /// Least Σω of a run that counts.
 pub(super) const LEAST_WEIGHT: f64 = 0.5;
 /// Bounds of the skewness (7), and that without a drive of three runs.
@@ -36,7 +42,7 @@ const UNKNOWN_SKEWNESS: f64 = 1.0;
 const ITERATIONS: usize = 50;
 
 /// Values of one direction by drive, run and record, each with the excess variance of its error.
-pub(super) type Sample = Vec<Vec<Vec<[f64; 2]>>>;
+pub type Sample = Vec<Vec<Vec<[f64; 2]>>>;
 
 /// The constants of a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +57,8 @@ pub struct Levels {
     pub record: f64,
     /// γ.
     pub skewness: f64,
+    /// ρ; `None` if too few runs of a drive follow each other.
+    pub correlation: Option<f64>,
     /// f.
     pub freedom: f64,
 }
@@ -63,10 +71,11 @@ impl Levels {
 
     /// Estimates (1) to (7) of a direction with so many fitted weights; `None` if the records say too little or are
     /// constant.
-    pub(super) fn of(sample: &Sample, fitted: usize) -> Option<Self> {
+    #[must_use]
+    pub fn of(sample: &Sample, fitted: usize) -> Option<Self> {
         let record = record(sample)?;
         let means = means(sample, record);
-        let drives: Vec<&Vec<[f64; 2]>> = means.iter().filter(|runs| !runs.is_empty()).collect();
+        let drives: Vec<Vec<[f64; 2]>> = means.into_iter().filter(|runs| !runs.is_empty()).collect();
         let runs = drives.iter().map(|runs| runs.len()).sum::<usize>() as f64;
         let count = drives.len() as f64;
         let freedom = runs - count - fitted as f64;
@@ -76,9 +85,15 @@ impl Levels {
         let of_drives: Vec<f64> = drives.iter().map(|runs| mean(runs.iter().map(|[x, _]| *x))).collect();
         let deviations = || drives.iter().zip(&of_drives).map(|(runs, mean)| runs.iter().map(move |[x, _]| x - mean));
         let spread = deviations().flatten().map(|deviation| deviation * deviation).sum::<f64>() / freedom; // C
-        let inverse = mean(drives.iter().copied().flatten().map(|[_, weight]| 1.0 / weight));
+        let inverse = mean(drives.iter().flatten().map(|[_, weight]| 1.0 / weight));
         let larger = larger(freedom, NOISE)?;
-        let run = (spread - record * inverse).max(LEAST_PART * spread) * larger; // (4)
+        let single = spread - record * inverse;
+        let lasting = lasting::of(&drives, single.max(LEAST_FIRST * spread), record);
+        let (correlation, run) = match lasting {
+            // The fitted weights took degrees of freedom.
+            Some((rho, run)) => (Some(rho), (run * (runs - count) / freedom).max(LEAST_PART * spread * larger)),
+            None => (None, single.max(LEAST_PART * spread) * larger), // (4)
+        };
         let centre = mean(of_drives.iter().copied());
         let of_mean = spread * mean(drives.iter().map(|runs| 1.0 / runs.len() as f64)); // C/m
         let between = if drives.len() > 1 {
@@ -88,14 +103,8 @@ impl Levels {
         } else {
             of_mean // (6)
         };
-        let enough: Vec<(f64, f64)> = drives
-            .iter()
-            .zip(deviations())
-            .filter(|(runs, _)| runs.len() > 2)
-            .map(|(runs, deviations)| (runs.len() as f64, deviations.map(|x| x.powi(3)).sum()))
-            .collect();
-        let skewness = skewness(&enough, spread);
-        let levels = Self { centre, between, run, record: record * larger, skewness, freedom };
+        let skewness = skewness(&drives, (correlation.unwrap_or(0.0), run, record), runs - count);
+        let levels = Self { centre, between, run, record: record * larger, skewness, correlation, freedom };
         let regular = [levels.between, levels.run, levels.record].iter().all(|x| x.is_finite() && *x > 0.0);
         (regular && levels.centre.is_finite()).then_some(levels)
     }
@@ -143,14 +152,22 @@ pub(super) fn weighted(run: &[[f64; 2]], within: f64) -> (f64, f64) {
     (if total > 0.0 { sum / total } else { 0.0 }, total)
 }
 
-/// (7) from the number of runs and Σ (x − x̄)³ of the drives with at least three runs.
-fn skewness(drives: &[(f64, f64)], spread: f64) -> f64 {
-    let runs: f64 = drives.iter().map(|(m, _)| m).sum();
+/// (7) by ρ, B and W; `freedom` is the number of runs less that of drives.
+fn skewness(drives: &[Vec<[f64; 2]>], law: (f64, f64, f64), freedom: f64) -> f64 {
+    let deviations = |runs: &Vec<[f64; 2]>| -> Vec<f64> {
+        let news = lasting::news(runs, law);
+        let [mean, _] = lasting::mean(&news);
+        news.iter().map(|[y, h, variance]| (y - h * mean) / variance.sqrt()).collect()
+    };
+    let all: Vec<Vec<f64>> = drives.iter().map(deviations).collect();
+    let spread = all.iter().flatten().map(|x| x * x).sum::<f64>() / freedom;
+    let enough = || all.iter().filter(|runs| runs.len() > 2).map(|runs| (runs.len() as f64, runs));
+    let runs: f64 = enough().map(|(m, _)| m).sum();
     if runs <= 0.0 {
         return UNKNOWN_SKEWNESS;
     }
-    let third: f64 = drives.iter().map(|(m, cubes)| m / (m - 1.0) * cubes).sum();
-    let skewness = third / drives.iter().map(|(m, _)| m - 2.0).sum::<f64>() / spread.powf(1.5);
+    let third: f64 = enough().map(|(m, runs)| m / (m - 1.0) * runs.iter().map(|x| x.powi(3)).sum::<f64>()).sum();
+    let skewness = third / enough().map(|(m, _)| m - 2.0).sum::<f64>() / spread.powf(1.5);
     (skewness + 0.5 * (6.0 / runs).sqrt()).clamp(SKEWNESS[0], SKEWNESS[1])
 }
 

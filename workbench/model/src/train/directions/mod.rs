@@ -12,6 +12,7 @@
 //! not. The rows say which ([`super::Validation::groups`]), and which drive ([`super::Validation::units`]).
 
 mod background;
+mod lasting;
 mod levels;
 #[cfg(test)]
 mod tests;
@@ -23,8 +24,7 @@ use bearing_watch::model as core;
 use bearing_watch::plan::RunTime;
 use nalgebra::DVector;
 
-use levels::Sample;
-pub use levels::{FEWEST, Levels};
+pub use levels::{FEWEST, Levels, Sample};
 
 use super::{Candidates, FeatureTable, ProjectionKind, Recipe, Validation};
 use crate::core::coordinates::{is_order, quantity};
@@ -47,11 +47,26 @@ const RISING: [&str; 3] = ["viscous", "coulomb", "drag"];
 /// What no defect changes: of friction and orders, this may be subtracted.
 const STEADY: [&str; 2] = ["inverse_kt", "inertia"];
 
+/// The most that one run adds to a score, as a part of the limit, and what it leaves of it, nats.
+const CAP: f64 = 0.62;
+const APART: f64 = 2.0;
+
+/// The limit of the scores of so many directions for so many segments between false alarms, and the most that a run
+/// of a usual length adds to a score.
+#[must_use]
+pub fn limit_and_cap(segments: f64, directions: usize, usual: f64) -> [f64; 2] {
+    let limit = segments.ln() + ((directions * BETS.len()) as f64).ln();
+    let room = limit - usual.ln();
+    [limit, (CAP * room).min(room - APART)]
+}
+
 /// What the alarm watches: a coordinate less its background.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
     /// Place of the coordinate.
     pub coordinate: usize,
+    /// Whether it is the strength of a bearing order.
+    pub order: bool,
     /// Places and weights of what is subtracted.
     pub background: Vec<(usize, f64)>,
     /// Mean and spreads.
@@ -70,15 +85,17 @@ impl Direction {
         for (cell, (coordinate, weight)) in background.iter_mut().zip(&self.background) {
             *cell = core::Background { coordinate: place(*coordinate)?, weight: *weight as f32 };
         }
-        let Levels { centre, between, run, record, skewness, .. } = self.levels;
+        let Levels { centre, between, run, record, skewness, correlation, .. } = self.levels;
         Ok(core::Direction {
             coordinate: place(self.coordinate)?,
+            order: self.order,
             background,
             centre: centre as f32,
             between: between as f32,
             run: run as f32,
             segment: record as f32,
             skewness: skewness as f32,
+            correlation: correlation.unwrap_or(0.0) as f32,
         })
     }
 
@@ -129,12 +146,6 @@ impl Directions {
             margin: MARGIN as f32,
             most_runs: MOST_RUNS,
         })
-    }
-
-    /// ln(K): the part of the limit that is due to the number of scores.
-    #[must_use]
-    pub fn log_scores(&self) -> f64 {
-        ((self.list.len() * BETS.len()) as f64).ln()
     }
 }
 
@@ -275,7 +286,8 @@ impl<'a> Rows<'a> {
     /// The direction of a coordinate, and a second one where what is left of it is sharper but no substitute.
     fn directions(&self, coordinate: usize) -> Option<(Direction, Option<Direction>)> {
         let all = self.sample(coordinate, &[]);
-        let plain = Direction { coordinate, background: vec![], levels: Levels::of(&all, 0)? };
+        let order = is_order(&self.set.names[coordinate]);
+        let plain = Direction { coordinate, order, background: vec![], levels: Levels::of(&all, 0)? };
         let Some(rest) = self.rest(coordinate, &all) else { return Some((plain, None)) };
         let usual = self.usual();
         let [of_run, of_rest] = [&plain, &rest].map(|direction| direction.levels.usual(usual));
@@ -302,6 +314,6 @@ impl<'a> Rows<'a> {
         let count = |sample: &Sample| sample.iter().flatten().map(Vec::len).sum::<usize>() as f64;
         let enough = !background.is_empty() && count(&sample) >= LEAST_PART * count(all);
         let levels = Levels::of(&sample, background.len()).filter(|_| enough)?;
-        Some(Direction { coordinate, background, levels })
+        Some(Direction { coordinate, order: is_order(&names[coordinate]), background, levels })
     }
 }

@@ -31,7 +31,34 @@ impl Directions {
             _ if runs % drives == 0 => format!("{drives} drives × {} runs × {usual} records", runs / drives),
             _ => format!("{runs} runs of {drives} drives × {usual} records"),
         };
-        format!("{} {directions} ({}), {of}", list.len(), words.join("; "))
+        format!("{} {directions} ({}), {of}{}", list.len(), words.join("; "), self.lasting())
+    }
+
+    /// In which directions too few runs of a drive follow each other to know how long offsets last.
+    #[must_use]
+    pub fn unordered(&self, names: &[String]) -> Option<String> {
+        let unknown = self.list.iter().filter(|direction| direction.levels.correlation.is_none());
+        let words: Vec<String> = unknown.map(|direction| direction.words(names)).collect();
+        (!words.is_empty()).then(|| {
+            format!(
+                "the hours between false alarms hold for offsets that do not last from run to run (correlation 0), of \
+                 {}: too few runs of a drive follow each other to know; where offsets last, as of weather, alarms are \
+                 more frequent; give at least 4 successive runs of each drive, in the order of time",
+                words.join("; ")
+            )
+        })
+    }
+
+    /// Up to which correlation of successive runs the hours between false alarms hold.
+    fn lasting(&self) -> String {
+        let known = || self.list.iter().filter_map(|direction| direction.levels.correlation);
+        match [f64::min, f64::max].map(|of| known().reduce(of)) {
+            [Some(least), Some(most)] if most - least < 0.01 => {
+                format!("; offsets last with a correlation up to {most:.2}")
+            }
+            [Some(least), Some(most)] => format!("; offsets last with correlations up to {least:.2} … {most:.2}"),
+            _ => String::new(),
+        }
     }
 
     /// Which features the alarm does not watch although a defect raises them.

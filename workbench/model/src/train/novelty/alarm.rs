@@ -14,16 +14,13 @@ use bearing_watch::model::EvidenceConstants;
 use super::baseline::{Means, Size};
 use super::gate::Gate;
 use crate::Error;
-use crate::train::directions::Directions;
+use crate::train::directions::{Directions, limit_and_cap};
 
 /// κ of the evidence: a mean surprise of 5 nats is detected fastest, and a mean surprise of 2 instead of 1 in the
 /// healthy state does not yet cause an alarm.
 pub const BET: f32 = 0.2;
 /// Fewest runs between false alarms.
 const LEAST_RUNS: f64 = 10.0;
-/// The most that one run adds to a score of directions, as a part of the limit, and what it leaves of it, nats.
-const CAP: f64 = 0.62;
-const APART: f64 = 2.0;
 /// Iterations of (2).
 const ITERATIONS: usize = 200;
 
@@ -71,9 +68,7 @@ pub(super) fn of_directions(
 ) -> Result<EvidenceConstants, Error> {
     let segments_a_run = segments_a_run.unwrap_or(u32::try_from(directions.longest).unwrap_or(u32::MAX));
     enough(segments, segments_a_run)?;
-    let limit = segments.ln() + directions.log_scores();
-    let room = limit - directions.usual.ln();
-    let cap = (CAP * room).min(room - APART);
+    let [limit, cap] = limit_and_cap(segments, directions.list.len(), directions.usual);
     Ok(EvidenceConstants {
         bet: BET,
         limit: limit as f32,

@@ -1,12 +1,13 @@
 //! The alarm by directions in double precision, written apart from the core's.
 //!
 //! ```text
-//! run        N ← N + ω,  Y ← Y + ω y,   ω = 1/(1 + v/W);   x = Y/N,   s² = B + W/N                       (1)
+//! run        N ← N + ω,  Y ← Y + ω y,   ω = 1/(1 + v/W);   x = Y/N,   s² = P + W/N,   P as in (7)         (1)
 //! reference  û = Q/Λ,  r = û + q/√Λ;   at first Λ = 1/U,  Q = c/U                                        (2)
-//! score      a = δ s₀/s,  s₀² = B + W/n₀,   z = WH((x − r)/s; γ),   ℓ = min(a z − a²/2, cap)             (3)
+//! score      a = δ s₀/s,  s₀² = P + W/n₀,   ζ = (x − r − ρ b′)/s,   z = WH(ζ; γ),   ℓ = min(a z − a²/2, cap)  (3)
 //! sequence   T = max(S, ln min(n, n₀)) + ℓ  after each record,   S ← max(0, T)  at the end of the run    (4)
 //! alarm      where T ≥ limit, at the end of a run or after n₀ records                                    (5)
-//! learning   at the end of a run, while m < M and T is below half of the limit: Λ ← Λ + 1/s²,  Q ← Q + x/s²  (6)
+//! learning   at the end of a run, while m < M and T is below half of the limit: Λ ← Λ + h²/s²,  Q ← Q + h y/s²  (6)
+//! offset     b = ρ b′ + (P/s) min(max(ζ, −4), 4),   P′ ← P (1 − P/s²);   y − h r = x − r − ρ b′ for any r      (7)
 //! ```
 //!
 //! WH is the normal score of a value of skewness γ (Wilson and Hilferty 1931).
@@ -37,6 +38,9 @@ struct State {
     /// Λ, Q.
     precision: f64,
     weighted: f64,
+    /// b′ = α − c r, and P′ of (7).
+    offset: [f64; 2],
+    variance: f64,
     /// S and T of each bet.
     kept: [f64; BETS.len()],
     now: [f64; BETS.len()],
@@ -54,6 +58,8 @@ impl<'a> Twin<'a> {
                 sum: 0.0,
                 precision,
                 weighted: direction.levels.centre * precision,
+                offset: [0.0; 2],
+                variance: direction.levels.run,
                 kept: none,
                 now: none,
             }
@@ -108,11 +114,7 @@ impl<'a> Twin<'a> {
         let highest = self.states.iter().flat_map(|state| state.now).fold(0.0, f64::max);
         let learns = self.learned < MOST_RUNS && highest < 0.5 * self.limit;
         for (state, direction) in self.states.iter_mut().zip(&self.constants.list) {
-            if learns && state.weight > 0.0 {
-                let variance = direction.levels.run + direction.levels.record / state.weight;
-                state.precision += 1.0 / variance;
-                state.weighted += state.sum / state.weight / variance;
-            }
+            state.end_run(direction, learns);
             (state.weight, state.sum, state.kept) = (0.0, 0.0, state.now.map(|now| now.max(0.0)));
         }
         self.learned += u16::from(learns);
@@ -121,16 +123,45 @@ impl<'a> Twin<'a> {
 }
 
 impl State {
+    fn reference(&self) -> f64 {
+        self.weighted / self.precision + MARGIN / self.precision.sqrt()
+    }
+
+    /// y and h of (7), and P of (1).
+    fn news(&self, direction: &Direction) -> ([f64; 2], f64) {
+        let rho = direction.levels.correlation.unwrap_or(0.0);
+        let [a, c] = self.offset.map(|of| rho * of);
+        let variance = rho * rho * self.variance + (1.0 - rho * rho) * direction.levels.run;
+        ([self.sum / self.weight - a, 1.0 - c], variance)
+    }
+
+    fn end_run(&mut self, direction: &Direction, learns: bool) {
+        if self.weight <= 0.0 {
+            return;
+        }
+        let ([y, h], of_offset) = self.news(direction);
+        let variance = of_offset + direction.levels.record / self.weight;
+        let rest = (y - h * self.reference()).clamp(-4.0 * variance.sqrt(), 4.0 * variance.sqrt());
+        let rho = direction.levels.correlation.unwrap_or(0.0);
+        let gain = of_offset / variance;
+        self.offset = [rho * self.offset[0] + gain * (rest + h * self.reference()), rho * self.offset[1] + gain * h];
+        self.variance = of_offset * (1.0 - gain);
+        if learns {
+            self.precision += h * h / variance;
+            self.weighted += h * y / variance;
+        }
+    }
+
     /// (3) of each bet without the cap.
     fn ratios(&self, direction: &Direction, usual: f64) -> [f64; BETS.len()] {
         if self.weight <= 0.0 {
             return [0.0; BETS.len()];
         }
         let levels = &direction.levels;
-        let variance = levels.run + levels.record / self.weight;
-        let reference = self.weighted / self.precision + MARGIN / self.precision.sqrt();
-        let z = normal_score((self.sum / self.weight - reference) / variance.sqrt(), levels.skewness);
-        let scale = ((levels.run + levels.record / usual) / variance).sqrt();
+        let (news, of_offset) = self.news(direction);
+        let variance = of_offset + levels.record / self.weight;
+        let z = normal_score((news[0] - news[1] * self.reference()) / variance.sqrt(), levels.skewness);
+        let scale = ((of_offset + levels.record / usual) / variance).sqrt();
         BETS.map(|bet| bet * scale * z - (bet * scale).powi(2) / 2.0)
     }
 }
