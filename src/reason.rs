@@ -131,11 +131,16 @@ pub enum Implausible {
     /// The rows do not come at the rate of the model, by a clock ([`RateCheck`](crate::RateCheck)): each comes twice,
     /// or the timer of the samples is wrong.
     Rate,
+    /// The angle stands while the velocity turns or the current changes: its sensor is stuck, or, without a velocity of
+    /// its own, the shaft is held.
+    StuckAngle,
+    /// The angle makes steps that no motor makes: rows are lost without a number that tells it, or its sensor slips.
+    AngleSteps,
 }
 
 impl Implausible {
     /// All errors, in the order of their numbers in the C interface and in frames.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::CurrentSign,
         Self::LoadSign,
         Self::MotionSign,
@@ -149,6 +154,8 @@ impl Implausible {
         Self::Current,
         Self::TorqueConstant,
         Self::Rate,
+        Self::StuckAngle,
+        Self::AngleSteps,
     ];
 
     /// The error in words.
@@ -170,6 +177,10 @@ impl Implausible {
             Self::VelocityScale => "the velocity is not that of the angle: sampling rate or unit is wrong",
             Self::TorqueConstant => "gain of all currents or of the load differs from that of training, or the magnet",
             Self::Rate => "the rows do not come at the rate of the model",
+            Self::StuckAngle => {
+                "the angle stands while velocity or current change: its sensor is stuck, or the shaft held"
+            }
+            Self::AngleSteps => "the angle makes steps that no motor makes: rows are lost, or its sensor slips",
         }
     }
 }

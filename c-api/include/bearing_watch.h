@@ -369,6 +369,10 @@ enum BwImbalance
   // The current vector does not turn with the rotor: two phases are exchanged, the angle is reversed, the pole pairs
   // are wrong, or there is no field-oriented control.
   BW_IMBALANCE_MISALIGNED = 6,
+  // A phase stays below a level that the other two exceed: its sensor or amplifier is clipped.
+  BW_IMBALANCE_CLIPPED = 7,
+  // A phase has no current in one direction, which the other two have: a half bridge or a sensor is broken.
+  BW_IMBALANCE_HALF_WAVE = 8,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -842,6 +846,8 @@ typedef struct BwFrontEndFaults {
   uint32_t position_slipped;
   // Windows in which angle and sample were not of one instant, by more than a tenth of an interval.
   uint32_t position_unsteady;
+  // Bits of the converter's reading, of 2⁻³² turn, that do not change while those beside them do.
+  uint32_t position_stuck_bits;
   // Resolver signals with too low an amplitude, or not a number.
   uint32_t resolver_lost;
   // Resolver signals with too high an amplitude.

@@ -83,6 +83,8 @@ fn same_faults(c: &BwFrontEndFaults, rust: &Faults) {
         Some(Imbalance::Unnamed) => (BwImbalance::Unnamed, 0.0),
         Some(Imbalance::Offset { offset_a, .. }) => (BwImbalance::Offset, offset_a),
         Some(Imbalance::Misaligned) => (BwImbalance::Misaligned, 0.0),
+        Some(Imbalance::Clipped(_)) => (BwImbalance::Clipped, 0.0),
+        Some(Imbalance::HalfWave(_)) => (BwImbalance::HalfWave, 0.0),
     };
     assert_eq!((c.imbalance, c.gain_error), imbalance);
     assert_eq!((c.clear, c.unbalanced_windows, c.gaps), (rust.is_clear(), rust.unbalanced_windows, rust.gaps));

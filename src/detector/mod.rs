@@ -33,7 +33,7 @@ use crate::plan::{Array, Cells, Plan, Presence};
 use crate::regression::Inputs;
 use crate::regression::estimate::Estimator;
 use crate::report::Report;
-use crate::shaft::Shaft;
+use crate::shaft::{Shaft, ShaftSums};
 use crate::signal::BlockMean;
 use crate::signal::average;
 use crate::signal::{Counts, Gate, limit};
@@ -290,6 +290,8 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
         if let (Some(estimator), Some(sums)) = (self.estimator.part(), segment.regression.part()) {
             (counts.downweighted, counts.resting, counts.refused) = estimator.counts(sums);
         }
+        let steps = segment.shaft.part().map_or(0, ShaftSums::steps);
+        counts.rejected = counts.rejected.saturating_add(steps);
         counts
     }
 

@@ -12,7 +12,7 @@ use crate::report::{Report, Verdict};
 pub(super) fn contradicts<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>) -> bool {
     let sums = (segment.shaft.part(), model.constants().shaft.part());
     let (Some(estimate), (Some(sums), Some(constants))) = (report.shaft.part_mut(), sums) else { return false };
-    let Some(error) = estimate.contradiction(constants, sums) else { return false };
+    let Some(error) = estimate.contradiction(model.plan(), constants, sums) else { return false };
     report.verdict = Verdict::Undetermined(Reason::Implausible(error));
     report.decision = None;
     true

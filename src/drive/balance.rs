@@ -1,5 +1,5 @@
 //! The phase currents against each other and the rotor: open phases, gain errors, sensors that read nothing, offsets,
-//! and a vector that does not turn with the rotor.
+//! levels, half waves, and a vector that does not turn with the rotor.
 //!
 //! ```text
 //! s = i_a + i_b + i_c                                                    (1) zero but for noise and sensor errors
@@ -16,6 +16,7 @@
 //! the own sensor is σ²/3 at most, and all other noise has the standard deviation of the last term, without its 6. The
 //! gain of a phase is reported as wrong if the phase explains at least 80 % of ⟨s²⟩, or all but 4 σ², and no other
 //! phase explains more than three quarters of that (over a turn: a quarter); a phase without current (6) has no gain.
+//! A phase that stays below what the others say ([`levels`]) is named first.
 //! (6) is only concluded if the window contains all octants.
 //!
 //! The mean of s over the window is removed before (2) and (3) if the window contains all octants: it is that of the
@@ -27,10 +28,12 @@
 //! error of all gains leaves the sum at zero and is not seen. Cost: a sum of twenty products at most 16 times an
 //! electrical turn.
 
+mod levels;
 mod vector;
 
 use super::Phase;
 use crate::signal::{Abc, Angle, SinCos};
+use levels::Levels;
 use vector::Vector;
 
 /// What (2), (3) and (6) expect.
@@ -69,6 +72,10 @@ pub enum Imbalance {
     },
     /// The currents do not sum to zero, and no single gain explains it: several sensors, current to earth.
     Unnamed,
+    /// A phase stays below a level that the other two exceed: its sensor or amplifier is clipped.
+    Clipped(Phase),
+    /// A phase has no current in one direction, which the other two have: a half bridge or a sensor is broken.
+    HalfWave(Phase),
     /// The offset of a sensor is beyond what is removed from its currents.
     Offset {
         /// The phase with the largest offset.
@@ -114,6 +121,7 @@ pub struct CurrentBalance {
     limits: BalanceLimits,
     sums: Sums,
     vector: Vector,
+    levels: Levels,
     /// Offsets that were removed from the currents, and what is left of them by the last window, A.
     removed_a: [f32; 3],
     left_a: [f32; 3],
@@ -125,6 +133,7 @@ pub struct CurrentBalance {
     /// The electrical angle of the last sample taken.
     taken: Angle,
     imbalance: Option<Imbalance>,
+    last_imbalance: Option<Imbalance>,
     unbalanced_windows: u32,
     /// Whether a window has shown that the currents turn with the rotor.
     aligned: bool,
@@ -152,6 +161,7 @@ impl CurrentBalance {
             limits,
             sums: Sums::default(),
             vector: Vector::default(),
+            levels: Levels::default(),
             removed_a: [0.0; 3],
             left_a: [0.0; 3],
             error_a: 0.0,
@@ -159,6 +169,7 @@ impl CurrentBalance {
             octants: 0,
             taken: Angle::ZERO,
             imbalance: None,
+            last_imbalance: None,
             unbalanced_windows: 0,
             aligned: false,
             doubts: 0,
@@ -207,6 +218,7 @@ impl CurrentBalance {
         sums.bb += b * b;
         sums.ab += a * b;
         self.vector.take(currents, turn);
+        self.levels.take(currents, s);
         self.octants |= 1_u8.wrapping_shl(electrical.bits() >> 29);
         self.count = self.count.saturating_add(1);
     }
@@ -221,10 +233,12 @@ impl CurrentBalance {
         (self.left_a, self.error_a) = (measured.unwrap_or_default(), self.vector.deviation(power, n));
         self.imbalance = self.judge(n).or_else(|| self.shifted()).or_else(|| self.misaligned(power, n));
         if self.imbalance.is_some() {
+            self.last_imbalance = self.imbalance;
             self.unbalanced_windows = self.unbalanced_windows.saturating_add(1);
         }
         (self.sums, self.count, self.octants) = (Sums::default(), 0, 0);
         self.vector = Vector::default();
+        self.levels.next();
     }
 
     /// Removes the mean of s from the sums, if it is known; returns P.
@@ -321,7 +335,8 @@ impl CurrentBalance {
                 }
             }
         }
-        unbalanced.then(|| named([ss, 4.0 * noise], products, squares, floor))
+        let level = || self.levels.found(self.limits.noise_a);
+        unbalanced.then(|| level().unwrap_or_else(|| named([ss, 4.0 * noise], products, squares, floor)))
     }
 
     /// (3)
@@ -338,6 +353,12 @@ impl CurrentBalance {
         self.imbalance
     }
 
+    /// What the last window found that was not balanced, since the start or [`Self::clear_faults`].
+    #[must_use]
+    pub const fn last_imbalance(&self) -> Option<Imbalance> {
+        self.last_imbalance
+    }
+
     /// Number of windows that were not balanced.
     #[must_use]
     pub const fn unbalanced_windows(&self) -> u32 {
@@ -346,7 +367,7 @@ impl CurrentBalance {
 
     /// Counts from zero; the finding of the last window stays.
     pub fn clear_faults(&mut self) {
-        self.unbalanced_windows = 0;
+        (self.unbalanced_windows, self.last_imbalance) = (0, None);
     }
 }
 

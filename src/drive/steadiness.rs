@@ -1,9 +1,11 @@
-//! Readings of the position that a locked loop would follow although they are wrong: stale, slipped, at unequal times.
+//! Readings of the position that a locked loop would follow although they are wrong: stale, slipped, at unequal times,
+//! with a bit that is stuck.
 //!
 //! ```text
 //! stale:     reading(n) = reading(n − 1)  after a motion of 8 Δ or more in a sample        (1)
 //! slipped:   |e(n) − e(n − 1)| > limit/4                                                    (2)
 //! unsteady:  Σ (e(n) − e(n−1))² > max(0.02 Σ ω̂², n (limit/50)²)                             (3)
+//! stuck:     a bit of the reading that does not change, between two that do, of at least six (4)
 //! ```
 //!
 //! ω̂ is the motion of the loop in a sample, e its error, *limit* its largest one. Δ is the step of a converter, which
@@ -13,7 +15,11 @@
 //! limit is for sensors whose noise does not depend on the speed. The error of the loop changes by the noise of the
 //! sensor and by what the loop corrects, which is far below (2).
 //!
-//! Cost: about forty instructions a sample.
+//! A shaft that changes a bit of the counts changes all bits below it (4), down to the resolution. Bits are compared
+//! over four windows, of 2⁻¹⁴ turn or more; with a bit that is stuck, samples are missing until a later comparison is better. A number of
+//! counts a turn that is no power of two hides the bits of its counter.
+//!
+//! Cost: about forty-five instructions a sample.
 
 use super::position::{Position, Tracked};
 use crate::signal::{Angle, RAD};
@@ -29,6 +35,10 @@ const SLIP: f32 = 0.25;
 const WINDOW: u16 = 1024;
 /// Twice the square of 0.1 intervals.
 const UNSTEADY: f32 = 0.02;
+/// Windows, or slips for each of them, of a comparison of (4), and fewest bits that change.
+const WINDOWS: u8 = 4;
+const SLIPS: u8 = 8;
+const FEWEST_BITS: u32 = 6;
 /// Square of the part of the limit that noise may be.
 const NOISE: f32 = 1.0 / 2500.0;
 
@@ -39,8 +49,13 @@ pub(super) struct Steadiness {
     limit_rad: f32,
     /// The last reading, bit for bit.
     reading: [u32; 2],
-    /// All bits of the readings of a converter that the loop followed.
+    /// All bits of the readings of a converter that the loop followed; those that were set and clear in the present
+    /// comparison, how far it is, and the stuck ones of the last.
     bits: u32,
+    set: u32,
+    clear: u32,
+    compared: u8,
+    stuck: u32,
     /// The last measured angle that was followed, and its motion, counts of 2⁻³² turn.
     measured: Angle,
     moved: u32,
@@ -58,6 +73,10 @@ impl Steadiness {
             limit_rad,
             reading: [0; 2],
             bits: 0,
+            set: 0,
+            clear: 0,
+            compared: 0,
+            stuck: 0,
             measured: Angle::ZERO,
             moved: 0,
             error_rad: f32::NAN,
@@ -98,10 +117,13 @@ impl Steadiness {
         let moved = measured.since(core::mem::replace(&mut self.measured, measured)).unsigned_abs();
         if let Position::Absolute(angle) = position {
             self.bits |= angle.bits();
+            self.set |= angle.bits();
+            self.clear |= !angle.bits();
         }
         let step = error_rad - core::mem::replace(&mut self.error_rad, error_rad);
         if step.abs() > SLIP * self.limit_rad {
             self.begin();
+            self.compare(1);
             return true;
         }
         // The first error behind a sample that was not followed has none before it.
@@ -128,6 +150,30 @@ impl Steadiness {
             self.unsteady_windows = self.unsteady_windows.saturating_add(1);
         }
         self.begin();
+        self.compare(SLIPS);
+    }
+
+    /// Counts a window or a slip; with the last one, looks for stuck bits (4).
+    #[cold]
+    #[inline(never)]
+    fn compare(&mut self, slips: u8) {
+        self.compared = self.compared.saturating_add(slips);
+        if self.compared < WINDOWS.saturating_mul(SLIPS) {
+            return;
+        }
+        // A wrong reading that is followed may have any lower bits.
+        let changed = self.set & self.clear & !(LEAST_STEP.wrapping_sub(1));
+        let above = changed & changed.wrapping_neg();
+        // All bits from the lowest to the highest one that changed.
+        let within = (u32::MAX.checked_shr(changed.leading_zeros()).unwrap_or(0)) & !above.wrapping_sub(1);
+        let counts = changed.count_ones() >= FEWEST_BITS;
+        self.stuck = if counts { within & !changed } else { self.stuck };
+        (self.set, self.clear, self.compared) = (0, 0, 0);
+    }
+
+    /// The bits of the reading, in 2⁻³² turn, that are stuck now.
+    pub(super) const fn stuck_bits(&self) -> u32 {
+        self.stuck
     }
 
     fn begin(&mut self) {

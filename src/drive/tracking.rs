@@ -87,6 +87,8 @@ pub struct PositionFaults {
     pub slipped: u32,
     /// Windows in which angle and sample were not of one instant, by more than a tenth of an interval.
     pub unsteady_windows: u32,
+    /// Bits of the converter's reading, of 2⁻³² turn, that do not change while those beside them do; samples are missing.
+    pub stuck_bits: u32,
     /// Of the signals of a resolver.
     pub resolver: ResolverFaults,
 }
@@ -195,6 +197,10 @@ impl PositionTracker {
         let tracked = Tracked { angle, error_rad };
         if self.steadiness.slips(position, &tracked, self.velocity) {
             self.faults.slipped = self.faults.slipped.saturating_add(1);
+            return None;
+        }
+        if self.has_stuck_bit() {
+            self.faults.stuck_bits |= self.steadiness.stuck_bits();
             return None;
         }
         Some(tracked)
@@ -340,6 +346,12 @@ impl PositionTracker {
     #[must_use]
     pub const fn mismatched(&self) -> bool {
         self.signal.mismatched()
+    }
+
+    /// Whether a bit of the readings is stuck. Samples of the windows before were used.
+    #[must_use]
+    pub const fn has_stuck_bit(&self) -> bool {
+        self.steadiness.stuck_bits() != 0
     }
 
     /// What was refused since the start or [`Self::clear_faults`].

@@ -208,6 +208,7 @@ fn blank_shaft<P: Plan>(plan: P) -> ShaftConstants<P> {
             nominal: [0.0; TERMS],
             prior: [1.0; TERMS],
             deviation: 1.0,
+            largest_change_rad: 1.0,
         },
         tracking: Tracking { orders: Cells::filled(plan.layout().orders(), order), blocks: Blocks::EMPTY },
     }
@@ -228,6 +229,7 @@ fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstant
     reader.fill(&mut balance.scale)?;
     reader.fill(&mut balance.nominal)?;
     reader.fill(&mut balance.prior)?;
+    balance.largest_change_rad = reader.f32()?;
     for order in shaft.tracking.orders.cells_mut() {
         order.order_q16 = reader.u32()?.cast_signed();
         reader.fill(&mut order.weights)?;

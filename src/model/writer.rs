@@ -157,6 +157,7 @@ fn write_shaft<P: Plan>(writer: &mut Writer<impl Sink>, shaft: &ShaftConstants<P
     writer.floats(&balance.scale)?;
     writer.floats(&balance.nominal)?;
     writer.floats(&balance.prior)?;
+    writer.floats(&[balance.largest_change_rad])?;
     for order in tracking.orders.cells() {
         writer.bytes(&order.order_q16.to_le_bytes())?;
         writer.floats(&order.weights)?;

@@ -113,6 +113,8 @@ mod tests {
             Implausible::Current,
             Implausible::TorqueConstant,
             Implausible::Rate,
+            Implausible::StuckAngle,
+            Implausible::AngleSteps,
         ];
         let kernels = [
             Kernel::Rounding,
@@ -157,7 +159,7 @@ mod tests {
 
     #[test]
     fn numbers_without_a_meaning_are_refused() {
-        let refused = [(0, 0), (11, 0), (16, 2), (17, 0), (1, 0), (1, 5), (5, 8), (12, 13), (13, 7)];
+        let refused = [(0, 0), (11, 0), (16, 2), (17, 0), (1, 0), (1, 5), (5, 8), (12, 15), (13, 7)];
         for (kind, place) in refused {
             assert_eq!(ReasonCode { kind, place, rows: 0 }.reason(), None, "{kind} {place}");
         }

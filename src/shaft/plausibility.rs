@@ -3,16 +3,19 @@
 //! ```text
 //! v = 1 + (p/n − 1)/(1 − ρ),   e = k σ/(|n| (1 − ρ)),   ρ = σ² σ₀²/(prior² s²)   (1)
 //! refused:   v + e < min(1/√2, 1 − w)   or   v − e > max(√2, 1 + w),   w = prior/|n|                      (2)
-//! refused:   velocity/angle outside 1/√2 … √2                                                           (3)
+//! refused:   r outside 1/√2 … √2   or   |r − 1| > 0.1 + 3 s_r                                           (3)
 //! refused:   s > 5 σ₀   and   2 R/(1 − c) > E + R                                                       (4)
 //! refused:   |v − 1| > 0.1   and   |v − 1| > 3/5 e + w   for 1/Kt                                       (5)
+//! refused:   the angle stands while the velocity turns, or in all samples while s > 2 σ₀                (6)
+//! refused:   steps ≥ 3   and   steps > samples/2048                                                     (7)
 //! ```
 //!
 //! p is J/Kt or 1/Kt with deviation σ, n its nominal value, s² the variance of the residual, and σ₀² that of healthy
 //! ones. (1) removes the contribution of the prior to p: a tight prior would keep p near n although the signals are
 //! wrong. √2 is the geometric mean of 1 and 2, the errors of a right signal and of one at half or double the sampling
 //! rate; the prior is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. If the
-//! ratio (3) of [`Travel`](crate::signal::Travel) is wrong, so is the velocity, whatever the balance. R is the sum of
+//! ratio r of velocity and angle with its deviation s_r ([`TravelSums`](crate::signal::TravelSums)) is wrong, so is the
+//! velocity, whatever the balance. An offset of the velocity is at most 1/12 of it (3). R is the sum of
 //! squares of the residual, E that of the current which the terms explain, and c the part of the rows that the terms
 //! fit by chance. A current that was transformed at another angle than that of the rotor (pole pairs, phase order,
 //! electrical offset) follows neither motion nor load, while a defect adds friction, which the terms explain, and
@@ -25,24 +28,36 @@
 //! like friction. (5) refuses it where the torque constants of training scatter less. Its error is smaller than that of
 //! (2): the residual already contains what the wrong gain leaves.
 //!
+//! Of an angle that never changes and a velocity made of it (6), the balance explains the mean of the current and what
+//! follows the load; a shaft that is held against a load that is not measured looks alike, and has no verdict either.
+//! A step is a change of the angle's motion from one sample to the next beyond
+//! [`Balance::largest_change_rad`](super::balance::Balance): its sample is refused, and many of them are rows that are
+//! lost (7).
+//!
 //! Not found are a wrong sign without a load if the load that was not measured explains the current of training better
 //! than the motion does; scales and rates that are wrong by less than √2, or by less than the healthy values of the
 //! model spread; wrong signals of a shaft at constant speed under constant load; wrong scales without a measured load,
 //! except by (3); and wrong signals of a plan without a shaft.
 
 use super::balance::{Balance, Friction, Parameter, TERMS};
+use super::state::Usage;
 use crate::reason::Implausible::{
-    self, Current, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign, VelocityScale,
-    VelocitySign,
+    self, AngleSteps, Current, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign,
+    VelocityScale, VelocitySign,
 };
+use crate::signal::TravelSums;
 
 /// k of (1): the deviation is computed for independent residuals, which those of a real shaft are not.
 const DEVIATIONS: f32 = 5.0;
-/// Deviations of a healthy residual, for (4).
+/// Deviations of a healthy residual, for (4), and of a shaft that rests, for (6).
 const UNUSUAL: f32 = 5.0;
+const ALIVE: f32 = 2.0;
 /// The limits of (5): twice what a magnet of the field loses, and deviations of the estimate.
 const OFF: f32 = 0.1;
 const OFF_DEVIATIONS: f32 = 3.0;
+/// Fewest steps of (7), and samples for each beyond them.
+const FEWEST_STEPS: u32 = 3;
+const SAMPLES_A_STEP: u32 = 2048;
 const LOW: f32 = core::f32::consts::FRAC_1_SQRT_2;
 const HIGH: f32 = core::f32::consts::SQRT_2;
 
@@ -103,15 +118,24 @@ fn is_off(parameter: Parameter, nominal: f32, prior: f32, spread: f32) -> bool {
     })
 }
 
-/// What is wrong with the velocity; `ratio` is `None` without enough motion.
-#[inline(always)]
-pub fn of_motion(ratio: Option<f32>) -> Option<Implausible> {
-    let ratio = ratio?;
+/// What is wrong with the velocity or the angle by the motion alone.
+#[inline(never)]
+pub fn of_motion(travel: &TravelSums, interval_s: f32, usage: &Usage) -> Option<Implausible> {
+    if usage.steps >= FEWEST_STEPS && usage.steps > usage.seen / SAMPLES_A_STEP {
+        return Some(AngleSteps); // (7)
+    }
+    let ratio = travel.ratio(interval_s)?;
     if ratio < 0.0 {
         return Some(VelocitySign);
     }
-    let agrees = (LOW..=HIGH).contains(&ratio); // (3)
-    (!agrees).then_some(VelocityScale)
+    let within = (ratio - 1.0).abs() <= OFF + OFF_DEVIATIONS * travel.deviation(interval_s);
+    (!within || !(LOW..=HIGH).contains(&ratio)).then_some(VelocityScale) // (3)
+}
+
+/// Whether the current changes while the angle does not (6).
+pub fn is_stuck(balance: &Balance, friction: &Friction, usage: &Usage) -> bool {
+    let alive = ALIVE * balance.deviation;
+    usage.used > 0 && !usage.moved && friction.variance > alive * alive
 }
 
 /// What is wrong with the signals of a torque balance; `explained` is E/R.
@@ -136,6 +160,7 @@ pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::signal::Travel;
 
     /// With a nominal value of 2 and a prior of 0.2; a deviation of 0.02 leaves 0.99 to the rows.
     fn fit(value: f32, deviation: f32) -> Fit {
@@ -175,11 +200,48 @@ mod tests {
         assert_eq!(Fit::of(half, 2.0, 0.02, 1.0), Fit::Negative);
     }
 
+    /// The sums of blocks of 16 samples and 1/8 turn, with these ratios of the velocity.
+    fn travelled(blocks: u32, ratio: impl Fn(u32) -> f32) -> TravelSums {
+        let (mut travel, mut sums) = (Travel::default(), TravelSums::default());
+        for k in 0..blocks {
+            for _ in 0..16 {
+                let _ = travel.step(1 << 25, ratio(k) * core::f32::consts::FRAC_PI_4 / 16.0);
+            }
+            travel.close(&mut sums, 0.0);
+        }
+        sums
+    }
+
     #[test]
     fn the_velocity_is_that_of_the_angle() {
-        let ratios = [None, Some(1.0), Some(0.72), Some(1.4), Some(0.5), Some(2.0), Some(-1.0), Some(f32::NAN)];
-        let scale = Some(VelocityScale);
-        assert_eq!(ratios.map(of_motion), [None, None, None, None, scale, scale, Some(VelocitySign), scale]);
+        let of = |sums: &TravelSums| of_motion(sums, 1.0, &Usage::default());
+        let of_ratio = |ratio: f32| of(&travelled(100, |_| ratio));
+        assert_eq!(of(&TravelSums::default()), None);
+        assert_eq!([1.0, 0.901, 1.099].map(of_ratio), [None; 3]);
+        assert_eq!([0.899, 1.101, 0.7153, 0.5, 2.0].map(of_ratio), [Some(VelocityScale); 5]);
+        assert_eq!([-1.0, f32::NAN].map(of_ratio), [Some(VelocitySign), Some(VelocityScale)]);
+        // 100 blocks of 0.72 ± 1 have a deviation of 0.1: only beyond √2 nothing explains them.
+        let scattered = |ratio: f32| of(&travelled(100, |k| ratio + if k % 2 == 0 { 1.0 } else { -1.0 }));
+        assert_eq!([0.72, 1.39, 0.70, 1.42].map(scattered), [None, None, Some(VelocityScale), Some(VelocityScale)]);
+    }
+
+    #[test]
+    fn an_angle_that_stands_and_many_steps_are_refused() {
+        let balance = Balance { deviation: 1.0, ..crate::shaft::state::tests::balance() };
+        let stuck = |variance, moved, used| {
+            is_stuck(
+                &balance,
+                &Friction { variance, ..Friction::default() },
+                &Usage { moved, used, ..Usage::default() },
+            )
+        };
+        assert_eq!(
+            [stuck(4.1, false, 9), stuck(3.9, false, 9), stuck(4.1, true, 9), stuck(4.1, false, 0)],
+            [true, false, false, false]
+        );
+        let stepped = |steps, seen| of_motion(&travelled(9, |_| 1.0), 1.0, &Usage { steps, seen, ..Usage::default() });
+        let steps = Some(AngleSteps);
+        assert_eq!([stepped(2, 9), stepped(3, 9), stepped(3, 8000), stepped(4, 8191)], [None, steps, None, steps]);
     }
 
     #[test]

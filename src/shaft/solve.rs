@@ -153,7 +153,7 @@ fn slip_range<P: Plan>(constants: &ShaftConstants<P>) -> SlipRange {
 
 /// The usable part of the segment; the reason if it is less than half.
 fn short<P: Plan>(sums: &ShaftSums<P>, estimate: &mut ShaftEstimate<P>) -> Option<Reason> {
-    let Usage { seen, used } = sums.usage;
+    let Usage { seen, used, .. } = sums.usage;
     estimate.usable = used as f32 / seen.max(1) as f32;
     (used < seen / 2).then_some(Reason::ShortSegment { rows: used })
 }
@@ -161,7 +161,7 @@ fn short<P: Plan>(sums: &ShaftSums<P>, estimate: &mut ShaftEstimate<P>) -> Optio
 /// Why there are no orders: a shaft at rest has too few blocks. The residual is that of parameters which gaps may have left undetermined: the error of the
 /// friction is in it.
 fn without_orders<P: Plan>(sums: &ShaftSums<P>, friction: Option<Reason>) -> Option<Reason> {
-    let Usage { seen, used } = sums.usage;
+    let Usage { seen, used, .. } = sums.usage;
     let gaps = used < seen.wrapping_sub(seen / 16);
     let undetermined = matches!(friction, Some(Reason::TooFewRows { .. }));
     if gaps && undetermined {

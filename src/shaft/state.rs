@@ -67,10 +67,20 @@ impl<P: Plan> ShaftEstimate<P> {
 
     /// Compares velocity and angle by the sums; returns what is wrong with the signals by motion and torque balance,
     /// `None` if nothing is, or nothing is known.
-    pub(crate) fn contradiction(&mut self, constants: &ShaftConstants<P>, sums: &ShaftSums<P>) -> Option<Implausible> {
-        self.velocity_ratio = sums.travel.ratio(constants.balance.interval_s);
+    pub(crate) fn contradiction(
+        &mut self,
+        plan: P,
+        constants: &ShaftConstants<P>,
+        sums: &ShaftSums<P>,
+    ) -> Option<Implausible> {
+        let interval_s = constants.balance.interval_s;
+        self.velocity_ratio = sums.travel.ratio(interval_s);
         let friction = self.friction_reason.is_none().then_some(&self.friction);
-        plausibility::of_motion(self.velocity_ratio).or_else(|| {
+        let stuck = |friction| plausibility::is_stuck(&constants.balance, friction, &sums.usage);
+        if plan.layout().needs_angle() && (sums.travel.stands() || friction.is_some_and(stuck)) {
+            return Some(Implausible::StuckAngle);
+        }
+        plausibility::of_motion(&sums.travel, interval_s, &sums.usage).or_else(|| {
             let friction = friction?;
             if self.opposed {
                 return Some(Implausible::Sign);
@@ -95,12 +105,14 @@ struct Moment {
     angle: Angle,
 }
 
-/// Samples seen and used in a segment.
+/// Samples seen and used in a segment, whether the angle has moved in it, and steps that no motor makes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Usage {
     pub(super) seen: u32,
     pub(super) used: u32,
+    pub(super) steps: u32,
+    pub(super) moved: bool,
 }
 
 /// Running state of the shaft.
@@ -120,6 +132,11 @@ pub struct Shaft<P: Plan> {
     /// Samples until the residual contains measured ones only.
     spoilt: u8,
     delays: Delays,
+    /// The motion of the last sample, and its largest change, counts of 2⁻³² turn.
+    motion: i32,
+    largest_change: u32,
+    /// Whether the last change of the motion was too large.
+    stepped: bool,
     /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start
     /// anywhere.
     angle: Angle,
@@ -150,6 +167,11 @@ impl<P: Plan> ShaftSums<P> {
         }
     }
 
+    /// Samples that were refused because the angle made a step that no motor makes.
+    pub(crate) const fn steps(&self) -> u32 {
+        self.usage.steps
+    }
+
     /// Nothing but the prior again, in place, since new ones would be moved.
     #[inline(always)]
     pub(crate) fn clear(&mut self, plan: P, constants: &ShaftConstants<P>) {
@@ -176,6 +198,9 @@ impl<P: Plan> Shaft<P> {
             lost: 0,
             spoilt: 0,
             delays: Delays::of(&constants.lags, plan.layout().shaft.is_some_and(|shaft| shaft.is_halved())),
+            motion: 0,
+            largest_change: counts(constants.balance.largest_change_rad),
+            stepped: false,
             angle: Angle::ZERO,
             travel: Travel::default(),
             balance: BalanceState::new(&constants.balance),
@@ -200,7 +225,12 @@ impl<P: Plan> Shaft<P> {
         let ShaftLayout { current, velocity, load, .. } = layout;
         let last = self.back(0);
         self.place = self.place.wrapping_add(1) % self.length();
-        let moment = if good {
+        let moment = if !good {
+            self.lose(velocity.is_none());
+            last
+        } else if self.steps(&mut sums.usage, sample.angle().since(last.angle), velocity.is_none()) {
+            Moment { angle: sample.angle(), ..last }
+        } else {
             let interval_s = constants.balance.interval_s;
             let interval_s = if layout.is_halved() { 0.5 * interval_s } else { interval_s };
             let velocity_rad_s = match velocity {
@@ -211,9 +241,6 @@ impl<P: Plan> Shaft<P> {
             let load_nm = load.map_or(0.0, |load| read(load, sample));
             let current_a = read(current, sample);
             Moment { torques: Torques { current_a, velocity_rad_s, load_nm }, angle: sample.angle() }
-        } else {
-            self.lose(velocity.is_none());
-            last
         };
         if let Some(cell) = self.ring.cells_mut().get_mut(self.place as usize) {
             *cell = moment;
@@ -273,6 +300,7 @@ impl<P: Plan> Shaft<P> {
             self.fill(layout.decimation, constants, now);
             return None;
         }
+        usage.moved |= turned != 0;
         let clean = self.spoilt == 0;
         if clean {
             usage.used = usage.used.saturating_add(1);
@@ -281,9 +309,10 @@ impl<P: Plan> Shaft<P> {
             self.travel.restart();
         }
         // A velocity of the angle agrees with it.
-        if layout.velocity.is_some() && clean && self.travel.step(turned, now.velocity_rad_s) {
-            let slowest = SLOWEST * balance.sign_velocity_rad_s * balance.interval_s;
-            self.travel.close(&mut sums.travel, slowest);
+        let interval_s = balance.interval_s;
+        if layout.velocity.is_some() && clean && self.travel.step_or_stand(turned, now.velocity_rad_s, interval_s) {
+            let slowest = SLOWEST * balance.sign_velocity_rad_s * interval_s;
+            self.travel.close_any(&mut sums.travel, slowest, interval_s);
         }
         let frictions = balance.frictions(now);
         self.balance.step(&mut sums.balance, (balance, has_load), now, &frictions, clean);
@@ -305,6 +334,34 @@ impl<P: Plan> Shaft<P> {
         let passed_s = interval_s * f32::from(self.lost.saturating_add(1));
         let turns = (last.torques.velocity_rad_s * passed_s - turned_rad) / TAU;
         (turned_rad + libm::rintf(turns) * TAU) / passed_s
+    }
+
+    /// Takes the motion since the last sample; whether it has changed by more than any motor changes it.
+    #[inline(always)]
+    fn steps(&mut self, usage: &mut Usage, turned: i32, differenced: bool) -> bool {
+        if turned.wrapping_sub(self.motion).unsigned_abs() > self.largest_change {
+            return self.step_found(usage, turned, differenced);
+        }
+        self.motion = turned;
+        false
+    }
+
+    /// Refuses the sample of a step, with those that its motion reaches. A motion that stays is one of the shaft, and
+    /// the first one behind lost samples is that of several.
+    #[cold]
+    #[inline(never)]
+    fn step_found(&mut self, usage: &mut Usage, turned: i32, differenced: bool) -> bool {
+        let stays = core::mem::take(&mut self.stepped) && self.spoilt > 0;
+        if self.filling > 0 || stays {
+            self.motion = turned;
+        }
+        if self.filling > 0 || stays || self.lost > 0 {
+            return false;
+        }
+        self.stepped = true;
+        usage.steps = usage.steps.saturating_add(u32::from(self.spoilt == 0));
+        self.spoilt = self.delays.spoilt.saturating_add(u8::from(differenced));
+        true
     }
 
     /// Counts a lost sample; too many in a row are not bridged. A velocity that is `differenced` is that between a
@@ -401,6 +458,12 @@ impl<P: Plan> Shaft<P> {
         // Steps that fill the ring start filters and travel.
         (self.filling, self.lost, self.spoilt) = (FILLING, 0, 0);
     }
+}
+
+/// An angle in counts of 2⁻³² turn; all of them for one that is larger, or infinite.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive, and `as` saturates")]
+fn counts(angle_rad: f32) -> u32 {
+    (angle_rad / RAD_A_COUNT) as u32
 }
 
 /// Steps until all that is read of the ring is measured, and the step that starts the filters: 8 samples of the longest

@@ -39,7 +39,7 @@ impl ChannelSet {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
-    /// Samples with a channel beyond its limit or not a number.
+    /// Samples with a channel beyond its limit or not a number, or with a step of the angle that no motor makes.
     pub rejected: u32,
     /// Samples with a saturated sensor and no rejected channel.
     pub saturated: u32,

@@ -25,6 +25,10 @@ pub enum BwImbalance {
     /// The current vector does not turn with the rotor: two phases are exchanged, the angle is reversed, the pole pairs
     /// are wrong, or there is no field-oriented control.
     Misaligned = 6,
+    /// A phase stays below a level that the other two exceed: its sensor or amplifier is clipped.
+    Clipped = 7,
+    /// A phase has no current in one direction, which the other two have: a half bridge or a sensor is broken.
+    HalfWave = 8,
 }
 
 /// How far the loop has found the angle of the shaft.
@@ -74,6 +78,8 @@ pub struct BwFrontEndFaults {
     pub position_slipped: u32,
     /// Windows in which angle and sample were not of one instant, by more than a tenth of an interval.
     pub position_unsteady: u32,
+    /// Bits of the converter's reading, of 2⁻³² turn, that do not change while those beside them do.
+    pub position_stuck_bits: u32,
     /// Resolver signals with too low an amplitude, or not a number.
     pub resolver_lost: u32,
     /// Resolver signals with too high an amplitude.
@@ -98,6 +104,8 @@ impl From<Faults> for BwFrontEndFaults {
             Some(Imbalance::Unnamed) => (BwImbalance::Unnamed, Phase::A, 0.0),
             Some(Imbalance::Offset { phase, offset_a }) => (BwImbalance::Offset, phase, offset_a),
             Some(Imbalance::Misaligned) => (BwImbalance::Misaligned, Phase::A, 0.0),
+            Some(Imbalance::Clipped(phase)) => (BwImbalance::Clipped, phase, 0.0),
+            Some(Imbalance::HalfWave(phase)) => (BwImbalance::HalfWave, phase, 0.0),
         };
         let position = faults.position;
         Self {
@@ -115,6 +123,7 @@ impl From<Faults> for BwFrontEndFaults {
             position_stale: position.stale,
             position_slipped: position.slipped,
             position_unsteady: position.unsteady_windows,
+            position_stuck_bits: position.stuck_bits,
             resolver_lost: position.resolver.lost,
             resolver_too_high: position.resolver.too_high,
             resolver_mismatched: position.resolver.mismatched,

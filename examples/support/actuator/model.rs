@@ -81,6 +81,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
             stribeck_velocity_rad_s: 6.921455,
             usual_velocity_rad_s: 69.214554,
             usual_load_nm: 2.721377,
+            largest_change_rad: f32::INFINITY,
             row_spread: 3.632665,
             deviation: 0.016754642,
             scale: [0.00390625, 0.015625, 1.0, 0.5, 1.0, 0.5, 1.0, 0.25],

@@ -52,8 +52,10 @@ fn scaled(counts: u16, scale: f32) -> u16 {
     (f32::from(ZERO) + scale * (f32::from(counts) - f32::from(ZERO))).round() as u16
 }
 
+/// 1/512 turn, 12 mrad: below the steps that are slips.
+const STUCK_BIT: u32 = 1 << 23;
 /// The faults.
-pub const FAULTS: [Fault; 9] = [
+pub const FAULTS: [Fault; 11] = [
     Fault {
         name: "phase c open",
         inject: |raw, k| {
@@ -126,6 +128,25 @@ pub const FAULTS: [Fault; 9] = [
             true
         },
         named: |faults| faults.position.strayed > 0,
+    },
+    Fault {
+        name: "phase b without negative half waves",
+        inject: |raw, _| {
+            let [_, b, _] = counts(raw);
+            *b = (*b).max(ZERO);
+            true
+        },
+        named: |faults| faults.imbalance == Some(Imbalance::HalfWave(Phase::B)),
+    },
+    Fault {
+        name: "a bit of the angle always set",
+        inject: |raw, _| {
+            if let Position::Absolute(angle) = raw.position {
+                raw.position = Position::Absolute(Angle::from_bits(angle.bits() | STUCK_BIT));
+            }
+            true
+        },
+        named: |faults| faults.position.stuck_bits == STUCK_BIT,
     },
     Fault { name: "missed interrupts", inject: |_, k| k % 2000 >= 30, named: |faults| faults.gaps > 0 },
 ];

@@ -99,13 +99,16 @@ fn the_signal_with_the_wrong_sign_is_named() {
 #[test]
 fn the_velocity_must_be_that_of_the_angle() {
     let model = model(lag(0.7), true, 6000);
-    for factor in [0.5, 2.0, 60.0 / std::f32::consts::TAU] {
+    for factor in [0.5, 2.0, 60.0 / std::f32::consts::TAU, 0.7153, 0.88, 1.12] {
         let changed = recorded(|motion| motion.velocity_rad_s *= factor);
         let report = run(&model, &changed);
         let ratio = report.shaft().expect("watched").velocity_ratio.expect("motion");
         // The velocity's noise of 0.55 rad/s over more than 40 turns, and lags that cancel.
         assert!((ratio / factor - 1.0).abs() < 0.01, "{factor}: {ratio}");
         assert_eq!(refusal(&report), Some(Implausible::VelocityScale));
+    }
+    for factor in [0.92, 1.08] {
+        assert_eq!(refusal(&run(&model, &recorded(|motion| motion.velocity_rad_s *= factor))), None, "{factor}");
     }
     // At rest the velocity is noise, and is not compared with the angle.
     let rest = recorded(|motion| {
@@ -119,4 +122,78 @@ fn the_velocity_must_be_that_of_the_angle() {
     let report = run(&model, &lost);
     assert!(report.shaft().expect("watched").velocity_ratio.is_none_or(|ratio| (ratio - 1.0).abs() < 0.05));
     assert_eq!(refusal(&report), None);
+}
+
+/// Two models: velocity and angle of their own, and the velocity of the angle.
+fn both_models() -> [(&'static str, Model<RunTime>); 2] {
+    let lags = bearing_watch::model::Lags { current: 1.2, velocity: 0.5, load: 0.5 };
+    [("own velocity", model(lag(0.7), true, 6000)), ("velocity of the angle", model_of_angle(lags, 6000))]
+}
+
+#[test]
+fn a_stuck_angle_is_named_and_a_shaft_at_rest_is_not() {
+    for kind in [DefectKind::Healthy, DefectKind::Spall] {
+        let motions = motions(&trace(kind, 77), 14);
+        for (name, model) in both_models() {
+            let stuck_from = |row: usize| {
+                let angle = motions[row].angle;
+                let stuck = |(k, motion): (usize, &Motion)| Motion {
+                    angle: if k < row { motion.angle } else { angle },
+                    ..*motion
+                };
+                refusal(&run(&model, &motions.iter().enumerate().map(stuck).collect::<Vec<_>>()))
+            };
+            assert_eq!(stuck_from(0), Some(Implausible::StuckAngle), "{name}, {kind:?}");
+            if name == "own velocity" {
+                assert_eq!(stuck_from(2500), Some(Implausible::StuckAngle), "{name}, {kind:?}");
+            }
+            // A drive that rests: noise of the sensors, whatever it holds.
+            for (k, hold_a) in [0.0, 3.0].into_iter().enumerate() {
+                let noise = |k: usize| (k as f32 * 1.7).sin();
+                let rest = |k: usize| Motion {
+                    current_a: hold_a + 0.02 * noise(k),
+                    velocity_rad_s: 0.3 * noise(k + 5),
+                    load_nm: hold_a / 20.0,
+                    ..Motion::default()
+                };
+                let report = run(&model, &(0..5000).map(rest).collect::<Vec<_>>());
+                assert_ne!(refusal(&report), Some(Implausible::StuckAngle), "{name}, {k}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_that_are_lost_without_numbers_are_named_or_counted() {
+    for kind in [DefectKind::Healthy, DefectKind::Spall] {
+        let motions = motions(&trace(kind, 77), 14);
+        for (name, model) in both_models() {
+            let lossy = |a_thousand: u32| {
+                let kept = |(k, _): &(usize, &Motion)| super::drive_faults::scattered(*k as u32) % 1000 >= a_thousand;
+                run(&model, &motions.iter().enumerate().filter(kept).map(|(_, motion)| *motion).collect::<Vec<_>>())
+            };
+            let reports = [0, 1, 10, 100].map(|a_thousand| lossy(a_thousand));
+            let found: Vec<_> = reports.iter().map(|own| (refusal(own), own.counts.rejected)).collect();
+            println!("{name}, {kind:?}: {found:?}");
+            assert_eq!(found[0], (None, 0), "{name}, {kind:?}");
+            assert!(found[1].1 > 0, "{name}, {kind:?}: {found:?}");
+            assert_eq!([found[2].0, found[3].0], [Some(Implausible::AngleSteps); 2], "{name}, {kind:?}");
+        }
+    }
+}
+
+#[test]
+fn a_single_step_spoils_its_neighbours_only() {
+    let whole = recorded(|_| ());
+    for (name, model) in both_models() {
+        let usual = run(&model, &whole);
+        let mut slipped = whole.clone();
+        slipped[3000..].iter_mut().for_each(|motion| motion.angle = motion.angle.plus(Angle::from_bits(1 << 27)));
+        let report = run(&model, &slipped);
+        assert_eq!((refusal(&report), report.counts.rejected), (None, 1), "{name}");
+        let [one, other] = [&usual, &report].map(|own| own.shaft().expect("watched").friction);
+        // Forty of 5000 rows are missing, and the filters bridge a sample.
+        let off = (one.drag.value - other.drag.value).abs();
+        assert!(off > 0.0 && off < 2.0 * one.drag.deviation, "{name}: {off} {}", one.drag.deviation);
+    }
 }

@@ -21,7 +21,7 @@ use super::rig as dc_motor;
 
 /// What the converters see at one instant of the control loop.
 #[derive(Clone, Copy, Debug)]
-struct Reading {
+pub struct Reading {
     phases_a: [f64; 3],
     turns: f64,
     load_nm: f64,
@@ -31,7 +31,7 @@ struct Reading {
 type Watch = fn(&FrontEndConstants, &[Reading], &Fault<'_>) -> (Vec<Clean>, Faults);
 
 /// A rig with the electronics in front of it.
-struct Drive {
+pub struct Drive {
     name: &'static str,
     constants: FrontEndConstants,
     base: Balance,
@@ -42,14 +42,20 @@ struct Drive {
 
 /// Current, velocity, load and angle; `late` says that what was before is not to be used.
 #[derive(Clone, Copy, Debug)]
-struct Clean {
+pub struct Clean {
     values: [f32; 3],
     angle: Angle,
     late: bool,
 }
 
 /// Changes a row and its counts of the angle, of 14 bits.
-type Fault<'a> = dyn Fn(usize, &mut [f64; 3], &mut u32) + 'a;
+pub type Fault<'a> = dyn Fn(usize, &mut [f64; 3], &mut u32) + 'a;
+
+impl Clean {
+    pub fn is_missing(&self) -> bool {
+        self.values.iter().any(|x| x.is_nan())
+    }
+}
 
 const KINDS: [DefectKind; 2] = [DefectKind::Healthy, DefectKind::Spall];
 const COUNTS: f64 = 16_384.0;
@@ -108,7 +114,7 @@ fn dc_motor_record(kind: DefectKind, seed: u64) -> Vec<Reading> {
     (0..trace.t_s.len()).map(row).collect()
 }
 
-fn drives() -> [Drive; 2] {
+pub fn drives() -> [Drive; 2] {
     let shaft = &actuator::MODEL.constants().shaft[0];
     let dc_plan = dc_motor::model(dc_motor::lag(0.7), true, 5000);
     let mut dc_front_end = front_end(500.0, 50.0, 0.3);
@@ -202,7 +208,7 @@ fn judge(model: &Model<RunTime>, samples: &[Clean]) -> (Verdict, Friction, Vec<f
 }
 
 impl Drive {
-    fn clean(&self, kind: DefectKind, seed: u64, fault: &Fault<'_>) -> (Vec<Clean>, Faults) {
+    pub fn clean(&self, kind: DefectKind, seed: u64, fault: &Fault<'_>) -> (Vec<Clean>, Faults) {
         (self.watch)(&self.constants, &(self.record)(kind, seed), fault)
     }
 

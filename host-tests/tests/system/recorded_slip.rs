@@ -95,6 +95,7 @@ fn model(rpm: f64, turns: f64, others: &[f64]) -> Model<RunTime> {
         prior: [1e-6; 7],
         deviation: 1.0,
         own_from_rows: u16::MAX,
+        largest_change_rad: f32::INFINITY,
     };
     let shaft = ShaftConstants { lags: Lags::default(), balance, tracking };
     let features = [Feature::Friction(FrictionTerm::Drag)];

@@ -71,6 +71,23 @@ fn a_gain_error_below_the_noise_of_the_sum_is_named() {
 }
 
 #[test]
+fn clipped_phases_and_half_waves_are_named() {
+    for (place, phase) in Phase::ALL.into_iter().enumerate() {
+        let changed = |change: fn(f64) -> f64| {
+            finding(10.0, 100.0, [1.0; 3], |amplitude, angle| {
+                let mut i = three(amplitude, angle);
+                i[place] = change(i[place]);
+                i
+            })
+        };
+        let clipped: [fn(f64) -> f64; 3] = [|i| i.clamp(-6.0, 6.0), |i| i.min(7.0), |i| i.max(-4.0)];
+        assert_eq!(clipped.map(changed), [Some(Imbalance::Clipped(phase)); 3]);
+        let halves: [fn(f64) -> f64; 2] = [|i| i.max(0.0), |i| i.min(0.0)];
+        assert_eq!(halves.map(changed), [Some(Imbalance::HalfWave(phase)); 2]);
+    }
+}
+
+#[test]
 fn an_open_winding_differs_from_a_silent_sensor() {
     for (place, phase) in Phase::ALL.into_iter().enumerate() {
         let mut gains = [1.0; 3];

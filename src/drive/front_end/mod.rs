@@ -22,7 +22,7 @@
 //! detector is one instant.
 //!
 //! **Faults.** A channel without a true value is NaN. The filters make those outputs NaN whose taps met it, 32 samples
-//! of the detector at most, and the detector refuses these. Three faults are found only after a window of samples that
+//! of the detector at most, and the detector refuses these. Four faults are found only after a window of samples that
 //! were used already: [`CleanSample::found_late`] is then set. Without an angle there is no Park transform: current,
 //! velocity and angle are missing. While the currents do not fit each other or do not turn with the rotor, the current
 //! is missing. A quadrature current of the drive's own ([`PhaseCounts::Quadrature`]) passes the filters as it is. Offsets
@@ -74,8 +74,8 @@ pub struct CleanSample<const FURTHER: usize> {
     pub angle: Angle,
     /// The further channels, NaN if missing.
     pub further: [f32; FURTHER],
-    /// A converter was found stuck, the currents were found not to fit each other, or the gains of the resolver were
-    /// found to differ, after the clean sample before this one. The fault began up to two windows or half a turn
+    /// A converter or a bit of the angle was found stuck, the currents were found not to fit each other, or the gains of
+    /// the resolver were found to differ, after the clean sample before this one. The fault began up to two windows or half a turn
     /// earlier, so that earlier samples were wrong: call [`Detector::discard`](crate::Detector::discard).
     pub found_late: bool,
 }
@@ -90,7 +90,10 @@ pub struct Faults {
     pub imbalance: Option<Imbalance>,
     /// Number of windows in which the currents did not fit.
     pub unbalanced_windows: u32,
-    /// Offsets of phases a, b, c that were found while the shaft turned and are removed, A; not a refusal.
+    /// Why the currents did not fit in the last of these windows.
+    pub last_imbalance: Option<Imbalance>,
+    /// Offsets of phases a, b, c that were found while the shaft turned and are removed, A; not a refusal. Three equal
+    /// ones are a third each of the offset of one sensor, which the current loop follows: the true currents have it.
     pub offsets_a: [f32; 3],
     /// Refused readings of the position sensor.
     pub position: PositionFaults,
@@ -379,7 +382,8 @@ where
     /// Whether a fault that shows only after a window of samples is there now, and was not at the last output.
     #[inline(always)]
     fn found_late(&mut self) -> bool {
-        let late = self.sensors.any_stuck() || self.balance.imbalance().is_some() || self.tracker.mismatched();
+        let position = self.tracker.mismatched() || self.tracker.has_stuck_bit();
+        let late = self.sensors.any_stuck() || self.balance.imbalance().is_some() || position;
         let before = core::mem::replace(&mut self.late, late);
         late && !before
     }
@@ -403,6 +407,7 @@ where
             currents: self.sensors.faults(),
             imbalance: self.balance.imbalance(),
             unbalanced_windows: self.balance.unbalanced_windows(),
+            last_imbalance: self.balance.last_imbalance(),
             offsets_a: self.balance.removed_a(),
             position: self.tracker.faults(),
             lock: self.tracker.lock(),

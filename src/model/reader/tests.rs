@@ -205,6 +205,7 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     payload.floats(6); // from 28: sign, Stribeck, usual velocity, usual load, spread, deviation
     payload.half(); // 34: rows of its own
     payload.floats(8 + TERMS + TERMS); // from 35: scales; 43: nominal; 50: prior
+    payload.bytes.extend(0.25_f32.to_le_bytes()); // largest change of the motion
     payload.word(); // 57: order
     payload.floats(MAX_HARMONICS + 4); // from 58: weights; 61: slip; 62: needed score; 63, 64: limits of the smallest
     payload.word();
@@ -238,6 +239,7 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     assert_eq!(velocities, from(28));
     assert_eq!([balance.usual_load_nm, balance.row_spread, balance.deviation], from(31));
     assert_eq!((balance.scale, balance.nominal, balance.prior), (from(35), from(43), from(50)));
+    assert_eq!(balance.largest_change_rad, 0.25);
     let order = &tracking.orders[0];
     assert_eq!((order.order_q16, order.weights, order.slip_ratio), (57, from(58), 61.0));
     assert_eq!([order.needed_score, order.most_relative, order.most_a], from(62));

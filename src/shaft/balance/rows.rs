@@ -87,6 +87,9 @@ pub struct Balance {
     pub prior: [f32; TERMS],
     /// Standard deviation of a healthy row's residual, A.
     pub deviation: f32,
+    /// Largest change of the angle's motion from one sample to the next, rad: a larger one is no motion of the shaft.
+    /// Infinite if it is not checked.
+    pub largest_change_rad: f32,
     /// Number of rows of a segment after which the residual of the orders is formed with the segment's own parameters;
     /// until then it is formed with those of the segment before. With 65535 it is always formed with the nominal ones.
     pub own_from_rows: u16,

@@ -28,6 +28,7 @@ pub fn balance() -> Balance {
         prior: [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1.0],
         deviation: 0.001,
         own_from_rows: 48,
+        largest_change_rad: f32::INFINITY,
     }
 }
 

@@ -100,6 +100,7 @@ pub const BALANCE: Balance = Balance {
     prior: [5e-3, 0.02, 1.0, 20.0, 1.0, 10.0, 1.0],
     deviation: 0.1,
     own_from_rows: 48,
+    largest_change_rad: f32::INFINITY,
 };
 
 /// The torque balance of each second sample, with a filter of 4 Hz and the same steps from row to row.

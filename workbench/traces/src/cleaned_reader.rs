@@ -1,7 +1,7 @@
 //! Traces recorded at the control rate, through the front end of the drive.
 
 use crate::assemble::{Rows, assemble};
-use crate::front_end::{OWN, clean};
+use crate::front_end::{Clean, OWN, clean};
 use crate::reader;
 use crate::signal::{self, Signal};
 use crate::table::Table;
@@ -92,12 +92,16 @@ fn cleaned(raw: &Trace, channels: &Channels, front_end: &FrontEndFile, wanted: &
     let (own, rest) = columns.split_at(wanted.own);
     let (further, times) = rest.split_at(wanted.further);
     let times = times.first().copied().filter(|_| wanted.timed);
-    let clean = clean(front_end, own, further, times).map_err(|problem| Error::trace(&raw.id, problem))?;
-    let times: Vec<f64> = (0..clean.columns[0].len()).map(|row| row as f64 * front_end.interval_s()).collect();
-    let rows = Rows::of(clean.columns.into_iter().enumerate().collect(), Some(times));
+    let Clean { columns, refused, found_late } =
+        clean(front_end, own, further, times).map_err(|problem| Error::trace(&raw.id, problem))?;
+    let times: Vec<f64> = (0..columns[0].len()).map(|row| row as f64 * front_end.interval_s()).collect();
+    // Rows before the first number are left out.
+    let first = columns[0].iter().zip(&columns[1]).position(|(current, velocity)| (current + velocity).is_finite());
+    let found_late = found_late.iter().map(|row| row.saturating_sub(first.unwrap_or(0))).collect();
+    let rows = Rows::of(columns.into_iter().enumerate().collect(), Some(times));
     let given = Channels { rate_hz: None, ..channels.clone() };
     let trace = assemble(raw.id.clone(), &given, &wanted.signals, rows)?;
     // The front end counts the samples that it refused.
-    let missing = if clean.refused.is_some() { Missing::default() } else { trace.missing };
-    Ok(Trace { refused: clean.refused, missing, ..trace })
+    let missing = if refused.is_some() { Missing::default() } else { trace.missing };
+    Ok(Trace { refused, missing, found_late, ..trace })
 }

@@ -23,9 +23,14 @@ pub struct Source {
 /// All sources, in the order in which they run.
 pub const SOURCES: [Source; 27] = [
     quick(figures::NAME, figures::TOLERANCE, target),
-    quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
+    quick("demo", Tolerance::Exact, |_| {
+        printed(("system", "demo"), "book/src/introduction.md", "standard_rig::twenty_draws")
+    }),
     quick("instruments", Tolerance::Exact, |_| {
-        printed("instruments", "book/src/identification.md", "instruments_model::noise_in_the_field")
+        printed(("system", "instruments"), "book/src/identification.md", "instruments_model::noise_in_the_field")
+    }),
+    quick("faults", Tolerance::Exact, |_| {
+        printed(("core", "faults"), "book/src/faults.md", "fault_table::faults_of_signals")
     }),
     slow("campaign", Tolerance::Exact, |_| workbench("campaign", "campaign", campaign::DOCUMENT)),
     quick("summary", Tolerance::Exact, |_| Ok(vec![campaign::block(&read(campaign::DOCUMENT)?)?])),
@@ -62,7 +67,7 @@ pub const SOURCES: [Source; 27] = [
         let blocks = workbench(TABLES, "tables", "docs/tables.md")?;
         save("park", "Figure 5.35: a healthy record with four angles of the Park transform").map(|()| blocks)
     }),
-    slow("recorded", Tolerance::Exact, |_| printed("recorded", results::RECORDED, "recorded_")),
+    slow("recorded", Tolerance::Exact, |_| printed(("system", "recorded"), results::RECORDED, "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
     slow("reading", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "reading", &peers::reading()?.0)])),
@@ -165,8 +170,8 @@ fn workbench(command: &str, name: &str, file: &'static str) -> Result<Vec<Block>
 
 /// The blocks that tests of the system print. A test fails where the document differs from what it prints, so its
 /// failure is no obstacle, but all blocks of the document that belong to `name` must be printed.
-fn printed(name: &str, file: &'static str, filter: &str) -> Result<Vec<Block>> {
-    let mut cargo = workspace::cargo(&["test", "--quiet", "--package", "host-tests", "--test", "system", "--"]);
+fn printed((test, name): (&str, &str), file: &'static str, filter: &str) -> Result<Vec<Block>> {
+    let mut cargo = workspace::cargo(&["test", "--quiet", "--package", "host-tests", "--test", test, "--"]);
     let mut lines = Vec::new();
     child::lines(cargo.args([filter, "--show-output", "--include-ignored"]), |line| lines.push(line.to_owned()))?;
     let blocks = block::printed(&lines, file);

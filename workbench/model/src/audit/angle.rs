@@ -3,6 +3,8 @@
 //! ```text
 //! d_k = wrapped(φ_{k+1} − φ_k),   D_k = (v_k + v_{k+1})/(2f),   e_k = wrapped(d_k − D_k)                  (1)
 //! e_k ≈ D_k Σ_n (a_n cos nφ + b_n sin nφ):   error of the angle at order n   √(a_n² + b_n²)/n             (2)
+//! r = median y/x:   ratio of the velocity, by motions x of the angle and y of the velocity in 1/8 turn    (3)
+//! d_k ≈ (m + 1)(d_{k−1} + d_{k+1})/2:   m rows are lost                                                   (4)
 //! ```
 //!
 //! A step e that the next ones take back is a spike, or a turn backwards for a row; one that stays is a slip. Steps
@@ -12,6 +14,8 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix2, Vector2};
+
+use super::step::step;
 
 /// Fewest rows that are compared.
 const FEWEST: usize = 100;
@@ -34,6 +38,17 @@ const LEAST_ERROR_RAD: f64 = 0.01;
 const SCALE: f64 = 0.01;
 /// Rows that are named.
 const NAMED: usize = 3;
+/// Fewest blocks of (3), slowest one as part of the usual motion, and error of the ratio that is told.
+const BLOCKS: usize = 8;
+const SLOWEST: f64 = 0.2;
+const RATIO: f64 = 0.05;
+/// Of (4): deviations and steps of the sensor that the motion of a row has at least, the part of it that it may change or
+/// be off, and fewest places.
+const CLEAR: f64 = 8.0;
+const ALIKE: f64 = 0.25;
+const FEWEST_LOST: usize = 2;
+/// Rows in which the step of the sensor is searched.
+const STEPS: usize = 100_000;
 
 /// Compares an angle, rad, with a velocity, rad/s, both sampled at `rate_hz`. Each finding names its rows by numbers.
 #[must_use]
@@ -42,15 +57,18 @@ pub fn findings(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Vec<String> {
     if rows < FEWEST || rate_hz.is_nan() || rate_hz <= 0.0 {
         return vec![];
     }
-    let step = |row: usize| wrapped(angle[row + 1] - angle[row]);
+    let turned = |row: usize| wrapped(angle[row + 1] - angle[row]);
     let expected = |row: usize| 0.5 * (velocity[row] + velocity[row + 1]) / rate_hz;
-    let moves: Vec<(f64, f64)> = (0..rows - 1).map(|row| (step(row), expected(row))).collect();
+    let moves: Vec<(f64, f64)> = (0..rows - 1).map(|row| (turned(row), expected(row))).collect();
     // Above half a turn a row nothing can be told.
     if moves.iter().any(|(_, expected)| expected.abs() > PI / 2.0) {
         return vec!["the shaft turns by more than a quarter of a turn a row: the angle is too slow".into()];
     }
     if let Some(scaled) = scale(&moves) {
         return vec![scaled];
+    }
+    if let Some(ratio) = velocity_ratio(angle, velocity, rate_hz) {
+        return vec![format!("the velocity is {ratio:.4} times the slope of the angle: its unit or gain, or the rate")];
     }
     let errors: Vec<f64> = moves.iter().map(|(step, expected)| wrapped(step - expected)).collect();
     let limit = (DEVIATIONS * 1.4826 * middle(&errors)).max(LEAST_RAD);
@@ -100,6 +118,64 @@ fn scale(moves: &[(f64, f64)]) -> Option<String> {
         _ => {
             format!("the angle turns {slope:.4} times as far as the velocity says: other units, a gear, or pole pairs")
         }
+    })
+}
+
+/// The ratio (3) of a velocity, rad/s, that is not the slope of the angle, rad; `None` if it is, or is not known.
+#[must_use]
+pub fn velocity_ratio(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Option<f64> {
+    let pairs = angle.windows(2).zip(velocity.windows(2));
+    let moves: Vec<(f64, f64)> =
+        pairs.map(|(angle, w)| (wrapped(angle[1] - angle[0]), 0.5 * (w[0] + w[1]) / rate_hz)).collect();
+    let known = moves.iter().filter(|(x, y)| (x + y).is_finite());
+    let (squares, count) = known.fold((0.0, 0_usize), |(sum, count), (x, _)| (sum + x * x, count + 1));
+    let slowest = SLOWEST * (squares / count.max(1) as f64).sqrt();
+    let mut blocks: Vec<(f64, f64)> = Vec::new();
+    let (mut x, mut y, mut rows) = (0.0, 0.0, 0.0);
+    for (by_angle, by_velocity) in moves {
+        (x, y, rows) = (x + by_angle, y + by_velocity, rows + 1.0);
+        let is_full = x.abs() >= PI / 4.0;
+        if is_full && x.abs() > slowest * rows {
+            blocks.push((x.abs(), y * x.signum()));
+        }
+        if is_full || !(x + y).is_finite() {
+            (x, y, rows) = (0.0, 0.0, 0.0);
+        }
+    }
+    // An angle that is filtered across its wrap, or slips, has some wrong blocks, or no common ratio.
+    let ratios: Vec<f64> = blocks.iter().map(|(x, y)| y / x).collect();
+    let ratio = crate::trace::median(&ratios[..]);
+    let scatter = middle(&ratios.iter().map(|own| own - ratio).collect::<Vec<_>>());
+    let deviation = 1.25 * 1.4826 * scatter / (blocks.len() as f64).sqrt();
+    let is_common = 1.4826 * scatter < ALIKE * ratio.abs();
+    let is_off = is_common && blocks.len() >= BLOCKS && (ratio - 1.0).abs() > RATIO + 3.0 * deviation;
+    is_off.then_some(ratio)
+}
+
+/// Rows that were lost without a gap in the times (4), by an angle, rad.
+#[must_use]
+pub fn lost_rows(angle: &[f64]) -> Option<String> {
+    let moves: Vec<f64> = angle.windows(2).map(|pair| wrapped(pair[1] - pair[0])).collect();
+    let changes: Vec<f64> = moves.windows(2).map(|pair| pair[1] - pair[0]).filter(|x| x.is_finite()).collect();
+    if changes.len() < FEWEST {
+        return None;
+    }
+    let least = CLEAR * step(&angle[..angle.len().min(STEPS)]).max(1.4826 * middle(&changes));
+    let is_lost = |row: &usize| {
+        let (before, behind) = (moves[row - 1], moves[row + 1]);
+        let usual = 0.5 * (before + behind);
+        let times = moves[*row] / usual;
+        usual.abs() > least
+            && (before - behind).abs() < ALIKE * usual.abs()
+            && times > 1.5
+            && (times - times.round()).abs() < ALIKE
+    };
+    let lost: Vec<usize> = (1..moves.len().saturating_sub(1)).filter(is_lost).collect();
+    (lost.len() >= FEWEST_LOST).then(|| {
+        format!(
+            "rows are lost without a gap in the times at {}: the angle turns there as in several rows",
+            named(&lost)
+        )
     })
 }
 
@@ -275,6 +351,37 @@ mod tests {
         assert!(resolver.contains("8.0° off 90°") || resolver.contains("7.9° off 90°"), "{resolver}");
         assert!(found(|angle| angle.iter_mut().for_each(|own| *own = -*own)).contains("runs against the velocity"));
         assert!(found(|angle| angle.iter_mut().for_each(|own| *own *= 4.0)).contains("4.0000 times as far"));
+    }
+
+    #[test]
+    fn the_ratio_of_the_velocity_is_told_from_a_twentieth_on() {
+        let (angle, velocity) = shaft();
+        let ratio =
+            |scale: f64| velocity_ratio(&angle, &velocity.iter().map(|w| scale * w + 0.1).collect::<Vec<_>>(), 1000.0);
+        assert_eq!([1.0, 0.97, 1.03].map(ratio), [None; 3]);
+        for scale in [0.7153, 0.9, 1.1, 1.4] {
+            // 0.1 of 25 rad/s.
+            assert!((ratio(scale).expect("off") - scale).abs() < 0.006, "{scale}");
+        }
+        let scaled: Vec<f64> = velocity.iter().map(|w| 0.7153 * w).collect();
+        let found = findings(&angle, &scaled, 1000.0).join("; ");
+        assert!(found.starts_with("the velocity is 0.7153 times the slope of the angle"), "{found}");
+    }
+
+    #[test]
+    fn rows_that_are_lost_without_a_gap_are_told() {
+        let (angle, _) = shaft();
+        assert_eq!(lost_rows(&angle), None);
+        let without = |lost: &[usize]| {
+            let kept = angle.iter().enumerate().filter(|(row, _)| !lost.contains(row));
+            lost_rows(&kept.map(|(_, own)| own.rem_euclid(TAU)).collect::<Vec<_>>())
+        };
+        assert_eq!(without(&[700]), None);
+        let found = without(&[700, 1000, 1001, 1900]).expect("lost");
+        assert!(found.contains("at 3 rows (701, 1000, 1898)"), "{found}");
+        // Counts of a coarse encoder, at some rows to a count, turn by none, one or two.
+        let coarse: Vec<f64> = angle.iter().map(|own| (own / 0.02).floor() * 0.02).collect();
+        assert_eq!(lost_rows(&coarse), None);
     }
 
     #[test]

@@ -2,11 +2,14 @@
 //! smallest line of an order that would stand out.
 
 pub mod angle;
+pub mod bits;
+mod clipped;
 pub mod column;
 pub mod friction;
 pub mod held;
 pub mod orders;
 pub mod pairs;
+mod phases;
 pub mod sessions;
 pub mod step;
 pub mod sums;

@@ -1,16 +1,18 @@
-//! Three phase currents, whose sum is zero without an earth fault: offsets and gains.
+//! Three phase currents, whose sum is zero without an earth fault: offsets, gains, levels and half waves.
 
+use super::{clipped, phases};
 use crate::statistics::mean_sd;
 
 /// Letters of the phases.
 const PHASES: [[&str; 3]; 3] = [["a", "b", "c"], ["u", "v", "w"], ["1", "2", "3"]];
 /// Words that the name of a current begins with, before or behind the letter of its phase.
 const WORDS: [&str; 4] = ["i", "current", "phase", "iphase"];
-/// Part of the currents' deviation that the sum may have.
+/// Parts of the currents' deviation that the mean of the sum and its deviation may have.
+const OFFSET: f64 = 0.05;
 const PART: f64 = 0.1;
 
 /// The places of the three currents among columns with these names, by names such as `ia_A`, `i_u`, `phase_a_a`.
-fn phases(names: &[String]) -> Option<[usize; 3]> {
+fn places(names: &[String]) -> Option<[usize; 3]> {
     let bare = |name: &String| -> String {
         let lower = name.to_lowercase();
         let end = lower
@@ -30,19 +32,36 @@ fn phases(names: &[String]) -> Option<[usize; 3]> {
     })
 }
 
-/// What is wrong with the sum of the phase currents among these columns.
+/// What is wrong with the phase currents among these columns; the angle of the shaft, rad, and the rate of the rows, if
+/// they are known.
 #[must_use]
-pub fn findings(names: &[String], columns: &[&[f64]]) -> Vec<String> {
-    let Some(places) = phases(names) else { return vec![] };
+pub fn findings(names: &[String], columns: &[&[f64]], motion: Option<(&[f64], f64)>) -> Vec<String> {
+    let Some(places) = places(names) else { return vec![] };
+    let by_place = places.map(|place| columns[place]);
+    let levels = (0..3).filter_map(|own| {
+        let [one, other] = [(own + 1) % 3, (own + 2) % 3].map(|k| by_place[k]);
+        let others: Vec<f64> = one.iter().zip(other).map(|(one, other)| -(one + other)).collect();
+        clipped::told(&names[places[own]], &clipped::levels(by_place[own], &others))
+    });
+    // A level changes mean and deviation of the sum.
+    let levels: Vec<String> = levels.collect();
+    if !levels.is_empty() {
+        return levels;
+    }
     let [a, b, c] = places.map(|place| columns[place]);
     let rows = a.iter().zip(b).zip(c).map(|((a, b), c)| a + b + c).filter(|sum| sum.is_finite());
     let sums: Vec<f64> = rows.collect();
     let size = places.iter().map(|place| mean_sd(columns[*place]).1).fold(0.0, f64::max);
     let (mean, deviation) = mean_sd(&sums);
-    let names = places.map(|place| names[place].as_str()).join(", ");
+    let own = places.map(|place| names[place].as_str());
+    let names = own.join(", ");
     let mut found = Vec::new();
-    if mean.abs() > PART * size {
-        found.push(format!("the currents {names} sum to {mean:.4} in the mean: an offset of a sensor; remove it"));
+    if mean.abs() > OFFSET * size {
+        let offset = match phases::of_offset([a, b, c], mean, motion) {
+            Some(phase) => format!("the current {} has an offset of {mean:.4}", own[phase]),
+            None => format!("the currents {names} sum to {mean:.4} in the mean: an offset of a sensor"),
+        };
+        found.push(offset + "; calibrate the sensor, or remove it");
     }
     if deviation > PART * size {
         let percent = 100.0 * deviation / size;
@@ -64,7 +83,7 @@ mod tests {
             (0..1000).map(|row| change(k, own(row))).collect()
         };
         let columns: [Vec<f64>; 3] = [0, 1, 2].map(phase);
-        findings(&names.map(String::from), &[&columns[0], &columns[1], &columns[2]])
+        findings(&names.map(String::from), &[&columns[0], &columns[1], &columns[2]], None)
     }
 
     #[test]
@@ -74,7 +93,10 @@ mod tests {
         {
             assert_eq!(of(names, |_, x| x), Vec::<String>::new(), "{names:?}");
             let offset = of(names, |k, x| if k == 1 { x + 0.17 } else { x });
-            assert!(offset.len() == 1 && offset[0].contains("sum to 0.1700 in the mean"), "{names:?} {offset:?}");
+            let told = format!("the current {} has an offset of 0.1700", names[1]);
+            assert!(offset.len() == 1 && offset[0].starts_with(&told), "{names:?} {offset:?}");
+            let clipped = of(names, |k, x| if k == 0 { x.min(0.6) } else { x });
+            assert!(clipped.len() == 1 && clipped[0].contains("is clipped at 0.6"), "{clipped:?}");
             let gain = of(names, |k, x| if k == 2 { -x } else { x });
             assert!(gain[0].contains("do not sum to zero, by 200 % of one"), "{gain:?}");
         }

@@ -72,11 +72,15 @@ impl Stream<'_> {
         Watched::of_run(self.monitor.evidence())
     }
 
-    /// Takes the next samples, and returns the segments that end with them.
+    /// Takes the next samples, and returns the segments that end with them. A report that was returned before is not
+    /// changed by a fault that is found later; the evidence is.
     pub fn take(&mut self, piece: &Trace) -> Vec<Judged> {
         let mut feed = self.model.feed(piece);
         let mut segments = Vec::new();
         for k in 0..piece.y.len() {
+            if piece.found_late.binary_search(&k).is_ok() {
+                self.discard(segments.last_mut());
+            }
             self.taken += 1;
             if self.monitor.step(&mut self.detector, feed.at(k)).is_some() {
                 segments.extend(self.judged());
@@ -84,6 +88,19 @@ impl Stream<'_> {
             }
         }
         segments
+    }
+
+    /// A fault was found late: what the open segment has is discarded, and the report of the last one is withdrawn if the
+    /// fault may have begun in it, as in the drive.
+    fn discard(&mut self, last: Option<&mut Judged>) {
+        let Some(number) = self.detector.discard() else { return };
+        if !self.monitor.withdraw(number) {
+            return;
+        }
+        if let (Some((before, watched)), Some((now, told))) = (last, self.judged()) {
+            let (start, length) = (before.start, before.length);
+            (*before, *watched) = (SegmentReport { start, length, ..now }, told);
+        }
     }
 
     /// Ends the trace, and returns its last segment: the open one if it is more than half a segment, or the only one.

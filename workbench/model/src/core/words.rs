@@ -3,7 +3,7 @@
 use bearing_watch::model::{Feature, TrackedOrder};
 use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::shaft::OrderStrength;
-use bearing_watch::{ChannelSet, Counts, Model, Obstacle, Reason, Report};
+use bearing_watch::{ChannelSet, Counts, Implausible, Model, Obstacle, Reason, Report};
 
 use super::features::{MEAN, RMS};
 use crate::identify::Terms;
@@ -34,6 +34,10 @@ pub(super) fn explain(reason: Reason, report: &Report<RunTime>, model: &Model<Ru
             };
             let name = covariates.get(covariate as usize).map_or_else(String::new, |own| name(own.feature));
             format!("covariate {name} is outside the range of the training records")
+        }
+        Reason::Implausible(Implausible::VelocityScale) => {
+            let ratio = report.shaft().and_then(|shaft| shaft.velocity_ratio);
+            ratio.map_or(reason.to_string(), |ratio| format!("{reason}; it is {ratio:.4} times the slope of the angle"))
         }
         Reason::LostSamples { channel } => {
             let name = channels.get(channel as usize).map_or("", |channel| channel.name.as_str());

@@ -1,6 +1,7 @@
 //! What is doubtful about traces.
 
 use crate::Error;
+use crate::audit::angle::velocity_ratio;
 use crate::audit::held::{held, too_slow};
 use crate::trace::{Channels, Trace, is_reference};
 
@@ -47,6 +48,21 @@ pub fn irregular<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) -> Option<
     let irregular = traces.clone().filter(|trace| is_irregular(trace));
     let first = irregular.clone().next().map(|first| first.id.as_str());
     of_irregular(irregular.count(), traces.count(), first)
+}
+
+/// Warns of traces whose velocity is not the slope of the angle.
+pub fn contradictory<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) -> Option<String> {
+    let ratio = |trace: &'a Trace| {
+        let (motion, interval_s) = (trace.motion.as_ref()?, trace.interval_s?);
+        Some((trace.id.as_str(), velocity_ratio(&motion.angle_rad, &motion.velocity_rad_s, 1.0 / interval_s)?))
+    };
+    let found: Vec<(&str, f64)> = traces.clone().filter_map(ratio).collect();
+    let (first, ratio) = found.first()?;
+    let (count, all) = (found.len(), traces.count());
+    Some(format!(
+        "{count} of {all} traces have a velocity that is not the slope of the angle, first {first} with {ratio:.4} times \
+         it: another unit or gain, or a wrong rate; a segment with such a velocity has no verdict"
+    ))
 }
 
 /// Whether more than 2 % of the steps are off by a tenth.

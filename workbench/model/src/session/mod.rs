@@ -30,7 +30,7 @@ mod training_session;
 mod training_traces;
 mod words;
 
-pub use doubts::{irregular, is_irregular, of_irregular, refuse_gaps, refuse_held, refused};
+pub use doubts::{contradictory, irregular, is_irregular, of_irregular, refuse_gaps, refuse_held, refused};
 pub use evaluation::{Evaluation, Judging, JudgingOptions};
 pub use found::Findings;
 pub use given::{Given, Piece, TemperatureColumn, TraceSource};

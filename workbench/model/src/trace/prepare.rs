@@ -67,6 +67,7 @@ impl Preparation {
             further: trace.further.iter().map(|x| prepare(x)).collect(),
             refused: trace.refused,
             missing: trace.missing,
+            found_late: trace.found_late.iter().map(|row| row / factor).collect(),
         })
     }
 }

@@ -66,6 +66,8 @@ pub struct Trace {
     pub refused: Option<Refused>,
     /// What is missing in the recording; these samples are NaN.
     pub missing: Missing,
+    /// Samples before which the front end found that a fault had begun earlier, in their order.
+    pub found_late: Vec<usize>,
 }
 
 impl Trace {
@@ -80,6 +82,7 @@ impl Trace {
             u2: part(&self.u2),
             motion: self.motion.as_ref().map(|motion| motion.cut(0, rows)),
             further: self.further.iter().map(part).collect(),
+            found_late: self.found_late.iter().copied().filter(|row| *row < rows).collect(),
             ..self.clone()
         }
     }

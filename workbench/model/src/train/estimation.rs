@@ -206,7 +206,16 @@ fn without_gaps(traces: &[LabelledTrace]) -> Cow<'_, [LabelledTrace]> {
     }
     let each = |own: &LabelledTrace| {
         let [y, u1, u2] = [&own.trace.y, &own.trace.u1, &own.trace.u2].map(|signal| bridged(signal));
-        let trace = Trace { id: own.trace.id.clone(), y, u1, u2, motion: None, further: vec![], ..own.trace };
+        let trace = Trace {
+            id: own.trace.id.clone(),
+            y,
+            u1,
+            u2,
+            motion: None,
+            further: vec![],
+            found_late: vec![],
+            ..own.trace
+        };
         LabelledTrace { trace, class: own.class }
     };
     traces.par_iter().map(each).collect::<Vec<_>>().into()

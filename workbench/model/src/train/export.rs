@@ -275,6 +275,7 @@ fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
         ("usual_load_nm", balance.usual_load_nm),
         ("row_spread", balance.row_spread),
         ("deviation", balance.deviation),
+        ("largest_change_rad", balance.largest_change_rad),
     ] {
         out.line(3, &format!("{name}: {},", number(value)));
     }

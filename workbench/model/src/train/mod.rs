@@ -36,6 +36,7 @@ pub mod front_end_header;
 pub mod front_end_source;
 pub mod label;
 mod lags;
+mod largest_change;
 mod least_covariance;
 mod left_out;
 mod matrix;

@@ -17,12 +17,18 @@ pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
                 u2: trace.u2[start..end].to_vec(),
                 motion: trace.motion.as_ref().map(|motion| motion.cut(start, end)),
                 further: trace.further.iter().map(|column| column[start..end].to_vec()).collect(),
+                found_late: inside(&trace.found_late, start, end),
                 ..*trace
             };
             LabelledTrace { trace: piece, class: labelled.class }
         })
     });
     pieces.collect()
+}
+
+/// The samples of a list that are in a piece, counted from its start.
+fn inside(rows: &[usize], start: usize, end: usize) -> Vec<usize> {
+    rows.iter().filter(|row| (start..end).contains(row)).map(|row| row - start).collect()
 }
 
 /// Returns start and end of each piece of a trace with `length` samples.

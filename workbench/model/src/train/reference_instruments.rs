@@ -145,6 +145,7 @@ mod tests {
             prior: [1.0; TERMS],
             deviation: 1.0,
             own_from_rows: 48,
+            largest_change_rad: f32::INFINITY,
         }
     }
 

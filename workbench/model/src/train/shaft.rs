@@ -14,7 +14,7 @@ use bearing_watch::plan::{RunTime, ShaftLayout};
 use super::bench::{Bench, OWN_FROM_ROWS, Watched, layout};
 use super::nominal::median;
 use super::shaft_plan::ShaftPlan;
-use super::{VelocitySource, fewer_harmonics, filters, lags, nominal, reference_instruments};
+use super::{VelocitySource, fewer_harmonics, filters, lags, largest_change, nominal, reference_instruments};
 use crate::Error;
 use crate::core::Wiring;
 use crate::grey_box::filter::LowPass;
@@ -96,6 +96,7 @@ fn with_balance<T>(
     };
     let trained = bench.frictions(&constants, &own)?;
     nominal::learn(&mut constants.balance, &trained);
+    constants.balance.largest_change_rad = largest_change::of(&all, interval_s, constants.balance.nominal[0]);
     // The residual of the orders is then never formed with a segment's own parameters, which the load biases.
     if !plan.load && reference_instruments::correct(&mut constants.balance, &healthy, (plan.cutoff_hz, plan.decimation))
     {
@@ -157,6 +158,7 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
             prior: columns.map(|column| if column > 0.0 { (10.0 * current / column) as f32 } else { 1.0 }),
             deviation: (0.1 * current).max(1e-6) as f32,
             own_from_rows: OWN_FROM_ROWS,
+            largest_change_rad: f32::INFINITY,
         },
         tracking: tracking(traces, plan, sign_velocity),
     })

@@ -51,14 +51,12 @@ pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
     let trace = Trace {
         id: format!("{}_{seed:016x}", cell.defect.kind.name()),
         interval_s: Some(Scenario::STANDARD.sample_time_s),
-        irregular_steps: 0,
         u2: recorded.recorded_load_nm(),
         y: recorded.current_a,
         u1: recorded.velocity_ref_rad_s,
         motion: Some(motion),
         further: vec![recorded.temperature_c],
-        refused: None,
-        missing: model::trace::Missing::default(),
+        ..Trace::default()
     };
     LabelledTrace { trace, class }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::audited::{Audited, Finding};
 use crate::resample::unwrapped;
 use model::audit::angle as of_angle;
+use model::audit::bits;
 use model::audit::held::{held, too_slow};
 use model::audit::pairs::{self, COLLINEAR, correlation, lag};
 use model::audit::sessions::apart;
@@ -47,16 +48,28 @@ impl Audited {
         for left_out in &self.left_out {
             add(findings, left_out.clone(), id);
         }
-        for finding in sums::findings(&self.names, &self.signals()) {
+        let rate = self.times.map(|times| times.rate_hz);
+        let motion = self.angle.as_deref().map(Vec::as_slice).zip(rate);
+        for finding in sums::findings(&self.names, &self.signals(), motion) {
             add(findings, finding, id);
         }
         // What is wanted rather than measured may stand, and have few values.
-        let rate = self.times.map(|times| times.rate_hz);
         let measured = self.names.iter().zip(&self.columns).filter(|(name, _)| !is_reference(name));
         for (name, column) in measured {
             for finding in column.findings(rate) {
                 add(findings, format!("column {name}: {finding}"), id);
             }
+        }
+        let counts = self.names.iter().zip(&self.values).filter_map(|(name, x)| Some((name.as_str(), bits::whole(x)?)));
+        let angle = self.angle.as_deref().and_then(|x| bits::of_angle(x, step(&x[..x.len().min(STEPS)])));
+        for (name, counts) in counts.chain(angle.map(|counts| ("of the angle", counts))) {
+            if let Some(finding) = bits::told(&counts) {
+                add(findings, format!("column {name}: {finding}"), id);
+            }
+        }
+        let is_whole = self.times.is_none_or(|times| times.gaps == 0);
+        if let Some(finding) = self.angle.as_deref().filter(|_| is_whole).and_then(|angle| of_angle::lost_rows(angle)) {
+            add(findings, finding, id);
         }
         let slow = self.current.as_deref().and_then(|current| too_slow(held(current)?, rate));
         if let Some(problem) = slow {

@@ -17,6 +17,8 @@ pub(crate) struct Clean {
     pub(crate) columns: Vec<Vec<f64>>,
     /// What was refused, if samples within the record are missing.
     pub(crate) refused: Option<Refused>,
+    /// Samples before which a fault was found late.
+    pub(crate) found_late: Vec<usize>,
 }
 
 /// Takes the columns that the file names and at most [`FURTHER`] further ones. `times_s` tells missed rows; without
@@ -61,11 +63,15 @@ where
     let mut front_end =
         FrontEnd::<FURTHER, FACTOR>::new(&file.constants()).map_err(|error| error.message().to_string())?;
     let mut columns = vec![vec![]; OWN.len() + further.len()];
+    let mut late = Vec::new();
     for row in (0..rows).filter(|row| is_sampled(file, recorded, times_s, *row)) {
         let raw = raw_sample(file, recorded, further, times_s, row);
-        let Some(CleanSample { current_a, velocity_rad_s, angle, further, .. }) = front_end.push(&raw) else {
+        let Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late }) = front_end.push(&raw) else {
             continue;
         };
+        if found_late {
+            late.push(columns[0].len());
+        }
         let values = [current_a, velocity_rad_s, angle.radians()].into_iter().chain(further);
         columns.iter_mut().zip(values).for_each(|(column, value)| column.push(f64::from(value)));
     }
@@ -76,7 +82,7 @@ where
         return Err(format!("no sample passes the front end: {}", words(&faults)));
     }
     let refused = (missing > 0).then_some(Refused { missing, samples, faults });
-    Ok(Clean { columns, refused })
+    Ok(Clean { columns, refused, found_late: late })
 }
 
 /// Whether a row has what each instant of the control loop has: counts of the currents, and its time. Others are

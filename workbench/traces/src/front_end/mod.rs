@@ -8,5 +8,5 @@ mod tests;
 pub use clean::FURTHER;
 #[cfg(test)]
 pub(crate) use clean::raw_sample;
-pub(crate) use clean::{OWN, clean};
+pub(crate) use clean::{Clean, OWN, clean};
 pub use rows::raw_rows;

@@ -161,3 +161,17 @@ fn rows_are_numbered_by_seconds_whatever_the_unit_of_the_time() {
     assert!(seconds == read("time_ms", &|row| format!("{:.2}", 0.25 * row as f64)));
     assert!(seconds == read("time_ms", &|row| format!("{:.1}", 0.25 * row as f64)));
 }
+
+#[test]
+fn a_fault_that_is_found_late_is_kept_with_its_sample() {
+    let mut columns = rows(12_000, 5.0, 40.0);
+    let whole = clean(&file(), &slices(&columns), &[], None).expect("clean");
+    assert_eq!(whole.found_late, Vec::<usize>::new());
+    // From one second on, two phases are exchanged.
+    let [_, b, c, _] = &mut columns[..] else { panic!("four columns") };
+    b[4000..].swap_with_slice(&mut c[4000..]);
+    let Clean { found_late, columns, .. } = clean(&file(), &slices(&columns), &[], None).expect("clean");
+    // A sample is 1 ms; the next window of electrical angles, of 15 a second and mechanical turn, finds it.
+    let [late] = found_late[..] else { panic!("{found_late:?}") };
+    assert!((900..2900).contains(&late) && columns[0].len() > late, "{late}");
+}

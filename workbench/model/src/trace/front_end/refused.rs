@@ -30,7 +30,7 @@ pub fn words(faults: &Faults) -> String {
         let counted = [(own.saturated, "saturated"), (own.stuck, "stuck")];
         words.extend(counted.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("phase {phase} {what} {n} times")));
     }
-    if let Some(imbalance) = &faults.imbalance {
+    if let Some(imbalance) = &faults.imbalance.or(faults.last_imbalance) {
         let cause = match imbalance {
             Imbalance::Open(phase) => format!(": phase {phase:?} is open"),
             Imbalance::Silent(phase) => format!(": the sensor of phase {phase:?} reads nothing"),
@@ -38,14 +38,15 @@ pub fn words(faults: &Faults) -> String {
                 format!(": the gain of phase {phase:?} is wrong by {:.1} %", 100.0 * error)
             }
             Imbalance::Unnamed => String::new(),
+            Imbalance::Clipped(phase) => format!(": phase {phase:?} is clipped"),
+            Imbalance::HalfWave(phase) => format!(": phase {phase:?} has no current in one direction"),
             Imbalance::Offset { phase, offset_a } => format!(": the offset of phase {phase:?} is {offset_a:.2} A"),
             Imbalance::Misaligned => {
                 " or the rotor, with which they do not turn (phase order, direction of the angle, pole pairs)".into()
             }
         };
-        words.push(format!("the currents do not fit each other{cause}"));
-    } else if faults.unbalanced_windows > 0 {
-        words.push(format!("{} windows in which the currents do not fit each other", faults.unbalanced_windows));
+        let windows = faults.unbalanced_windows;
+        words.push(format!("the currents do not fit each other{cause}, in {windows} windows"));
     }
     let position = &faults.position;
     let resolver = &position.resolver;
@@ -64,6 +65,9 @@ pub fn words(faults: &Faults) -> String {
         if count > 0 {
             words.push(format!("{count} {what}"));
         }
+    }
+    for bit in (0..32).filter(|bit| position.stuck_bits >> bit & 1 == 1) {
+        words.push(format!("the bit of 1/{} turn in the angle is stuck", 1_u64 << (32 - bit)));
     }
     if words.is_empty() { "the angle was not found".into() } else { words.join(", ") }
 }
