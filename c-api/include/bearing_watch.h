@@ -161,7 +161,7 @@ enum BwCode
   BW_CODE_BUFFER_TOO_SMALL = -10,
   // The blocks before were not sent: the sample is not recorded.
   BW_CODE_RECORDER_FULL = -11,
-  // Four samples wait already: this one is lost, and counts as one with bad values.
+  // Four samples wait already: this one is lost, and counts as one with bad values. `bw_collect_waiting` is due.
   BW_CODE_SAMPLE_LOST = -12,
   // The chip, or its settings in this context, computes otherwise than the host of the training.
   BW_CODE_ARITHMETIC = -13,
@@ -1071,7 +1071,8 @@ BwCode bw_pending(struct BwState *state, uint32_t *samples);
 // that of `BwCleanSample`.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_WRONG_CHANNEL_COUNT`, or `BW_CODE_SAMPLE_LOST` if four samples wait: this one then
-// counts as one with bad values.
+// counts as one with bad values. Request the interrupt below after both `BW_CODE_OK` and `BW_CODE_SAMPLE_LOST`, or a
+// full queue stays full.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count` readable

@@ -15,7 +15,8 @@ use crate::waiting::Put;
 /// that of `BwCleanSample`.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_WRONG_CHANNEL_COUNT`, or `BW_CODE_SAMPLE_LOST` if four samples wait: this one then
-/// counts as one with bad values.
+/// counts as one with bad values. Request the interrupt below after both `BW_CODE_OK` and `BW_CODE_SAMPLE_LOST`, or a
+/// full queue stays full.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count` readable

@@ -49,7 +49,7 @@ pub enum BwCode {
     BufferTooSmall = -10,
     /// The blocks before were not sent: the sample is not recorded.
     RecorderFull = -11,
-    /// Four samples wait already: this one is lost, and counts as one with bad values.
+    /// Four samples wait already: this one is lost, and counts as one with bad values. `bw_collect_waiting` is due.
     SampleLost = -12,
     /// The chip, or its settings in this context, computes otherwise than the host of the training.
     Arithmetic = -13,

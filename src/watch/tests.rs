@@ -245,6 +245,29 @@ fn readings_pass_the_front_end_and_its_faults_are_told_with_each_segment() {
     assert_eq!(watch.status().faults.unwrap().currents[0].saturated, 1);
 }
 
+/// The interrupt is requested by what `sample` returns alone.
+#[test]
+fn a_queue_that_was_full_is_collected_again() {
+    let watch: &'static Watch<Drive, FrontEnd<1, 10>> = Box::leak(Box::default());
+    watch.start(&MODEL, &CONSTANTS).unwrap();
+    let (mut pending, mut reports) = (false, 0);
+    let readings = 10 * MODEL.constants().sampling.segment_samples;
+    for number in 0..3 * readings + 500 {
+        pending |= watch.sample(raw(number));
+        // 12 ms of a drive of 10 kHz.
+        if pending {
+            pending = false;
+            if !(1001..1121).contains(&number) {
+                watch.collect();
+            }
+        }
+        reports += u32::from(watch.advance(|_| ()).is_some());
+    }
+    // Four in the queue and one before it.
+    let status = watch.status();
+    assert_eq!((reports, status.lost_samples, status.lost_segments), (3, 7, 0));
+}
+
 #[test]
 fn a_front_end_that_does_not_fit_is_refused() {
     fn refused<const FACTOR: usize>(constants: &FrontEndConstants) -> StartError

@@ -227,7 +227,8 @@ static inline BwCode bw_drive_start(BwDrive *drive, const BwFrontEndConstants *c
     }
     return code < 0 ? code : bw_check_front_end(drive->detector, constants);
 }
-/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect. */
+/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect, also for a
+ * sample that found the queue full and is lost: BwReport::lost_samples counts it. */
 static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
     BwRawSample raw;
     BwCleanSample clean;
@@ -249,7 +250,7 @@ static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
     bw_front_end_values(&clean, values);
     put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, clean.angle, clean.found_late != 0);
     drive->samples = drive->samples + 1u;
-    return put < 0 ? put : code;
+    return put < 0 && put != BW_CODE_SAMPLE_LOST ? put : code;
 }
 /* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }

@@ -119,11 +119,14 @@ static inline BwCode bw_drive_start(BwDrive *drive) {
 #endif
     return code;
 }
-/* In the sampling interrupt, at the rate of the model; then request the interrupt of bw_drive_collect. */
+/* In the sampling interrupt, at the rate of the model; BW_CODE_OK: request the interrupt of bw_drive_collect, also for
+ * a sample that found the queue full and is lost: BwReport::lost_samples counts it. */
 static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
+    BwCode put;
     const float values[BW_MODEL_CHANNELS] = { reading->current_a, reading->velocity_ref_rad_s, reading->load_torque_nm };
     drive->samples = drive->samples + 1u;
-    return bw_put(drive->detector, values, BW_MODEL_CHANNELS, 0u, false);
+    put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, 0u, false);
+    return put == BW_CODE_SAMPLE_LOST ? BW_CODE_OK : put;
 }
 /* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }

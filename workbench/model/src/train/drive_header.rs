@@ -122,7 +122,8 @@ fn start(out: &mut String, front_end: bool) {
 
 /// The call of the current loop, with a front end.
 fn raw_sample(out: &mut String, file: &FrontEndFile, names: &[String]) {
-    *out += "/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect. */\n\
+    *out += "/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect, also for a\n \
+        * sample that found the queue full and is lost: BwReport::lost_samples counts it. */\n\
         static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {\n\
         \x20   BwRawSample raw;\n    BwCleanSample clean;\n    float values[BW_MODEL_CHANNELS];\n";
     let phases = file.currents.columns.len();
@@ -158,7 +159,7 @@ fn raw_sample(out: &mut String, file: &FrontEndFile, names: &[String]) {
         \x20   bw_front_end_values(&clean, values);\n\
         \x20   put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, clean.angle, clean.found_late != 0);\n\
         \x20   drive->samples = drive->samples + 1u;\n\
-        \x20   return put < 0 ? put : code;\n}\n";
+        \x20   return put < 0 && put != BW_CODE_SAMPLE_LOST ? put : code;\n}\n";
 }
 
 fn negated(angle: String, reversed: bool) -> String {
@@ -169,11 +170,13 @@ fn negated(angle: String, reversed: bool) -> String {
 fn sample(out: &mut String, names: &[String], needs_angle: bool) {
     let list: Vec<String> = names.iter().map(|name| format!("reading->{name}")).collect();
     let angle = if needs_angle { "reading->angle" } else { "0u" };
-    *out += "/* In the sampling interrupt, at the rate of the model; then request the interrupt of bw_drive_collect. */\n\
-        static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {\n";
+    *out += "/* In the sampling interrupt, at the rate of the model; BW_CODE_OK: request the interrupt of bw_drive_collect, also for\n \
+        * a sample that found the queue full and is lost: BwReport::lost_samples counts it. */\n\
+        static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {\n    BwCode put;\n";
     line(out, &format!("    const float values[BW_MODEL_CHANNELS] = {{ {} }};", list.join(", ")));
     line(out, "    drive->samples = drive->samples + 1u;");
-    line(out, &format!("    return bw_put(drive->detector, values, BW_MODEL_CHANNELS, {angle}, false);\n}}"));
+    line(out, &format!("    put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, {angle}, false);"));
+    line(out, "    return put == BW_CODE_SAMPLE_LOST ? BW_CODE_OK : put;\n}");
 }
 
 const BELOW: &str = "/* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
