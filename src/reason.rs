@@ -131,11 +131,15 @@ pub enum Implausible {
     /// The rows do not come at the rate of the model, by a clock ([`RateCheck`](crate::RateCheck)): each comes twice,
     /// or the timer of the samples is wrong.
     Rate,
+    /// The front end has not seen yet that the currents turn with the rotor ([`Alignment`](crate::drive::Alignment)).
+    WiringUndecided,
+    /// The currents do not turn with the rotor: phase order, direction of the angle or pole pairs.
+    Wiring,
 }
 
 impl Implausible {
     /// All errors, in the order of their numbers in the C interface and in frames.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::CurrentSign,
         Self::LoadSign,
         Self::MotionSign,
@@ -149,6 +153,8 @@ impl Implausible {
         Self::Current,
         Self::TorqueConstant,
         Self::Rate,
+        Self::WiringUndecided,
+        Self::Wiring,
     ];
 
     /// The error in words.
@@ -170,6 +176,10 @@ impl Implausible {
             Self::VelocityScale => "the velocity is not that of the angle: sampling rate or unit is wrong",
             Self::TorqueConstant => "gain of all currents or of the load differs from that of training, or the magnet",
             Self::Rate => "the rows do not come at the rate of the model",
+            Self::WiringUndecided => "the check of the wiring has not decided yet",
+            Self::Wiring => {
+                "the currents do not turn with the rotor: phase order, direction of the angle or pole pairs"
+            }
         }
     }
 }

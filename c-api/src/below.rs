@@ -54,7 +54,11 @@ pub unsafe extern "C" fn bw_collect_waiting(state: *mut BwState) -> BwCode {
 
 fn take_all(state: &BwState, detector: &mut OwnDetector) -> Outcome {
     if !state.waiting.tested.load(Ordering::Relaxed) {
-        known_answer_test().map_err(|_| BwCode::Arithmetic)?;
+        known_answer_test().map_err(|_| {
+            state.waiting.failed.store(true, Ordering::Relaxed);
+            BwCode::Arithmetic
+        })?;
+        state.waiting.failed.store(false, Ordering::Relaxed);
         state.waiting.tested.store(true, Ordering::Relaxed);
     }
     let mut outcome = Ok(BwCode::Ok);

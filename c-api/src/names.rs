@@ -41,7 +41,7 @@ const REASONS: Names<16> = names! {
     BwReason::FoundLate => "a fault that was found after the segment may have begun in it",
 };
 
-const CODES: Names<57> = names! {
+const CODES: Names<62> = names! {
     BwCode::Ok => "BW_CODE_OK",
     BwCode::Segment => "BW_CODE_SEGMENT",
     BwCode::Report => "BW_CODE_REPORT",
@@ -63,6 +63,11 @@ const CODES: Names<57> = names! {
     BwCode::RecorderFull => "BW_CODE_RECORDER_FULL",
     BwCode::SampleLost => "BW_CODE_SAMPLE_LOST",
     BwCode::Arithmetic => "BW_CODE_ARITHMETIC",
+    BwCode::NoSample => "BW_CODE_NO_SAMPLE",
+    BwCode::NotCollected => "BW_CODE_NOT_COLLECTED",
+    BwCode::NoSegment => "BW_CODE_NO_SEGMENT",
+    BwCode::NoVerdict => "BW_CODE_NO_VERDICT",
+    BwCode::WrongRate => "BW_CODE_WRONG_RATE",
     BwCode::NotAModel => "BW_CODE_NOT_A_MODEL",
     BwCode::ModelVersion => "BW_CODE_MODEL_VERSION",
     BwCode::ModelTruncated => "BW_CODE_MODEL_TRUNCATED",

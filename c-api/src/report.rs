@@ -4,6 +4,7 @@ use bearing_watch::plan::MAX_CHANNELS;
 use bearing_watch::shaft::{OrderStrength, Parameter};
 use bearing_watch::{FrictionTerm, Implausible, Kernel, Part, Reason, Report, Verdict};
 
+use crate::BwAlignment;
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};
 use crate::plan::Own;
@@ -123,6 +124,8 @@ pub struct BwReport {
     pub distance: f32,
     /// -ln of the probability that a healthy segment is at least so unusual, nats; likewise.
     pub surprise: f32,
+    /// Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: nobody has checked the wiring.
+    pub alignment: BwAlignment,
 }
 
 /// Lists of numbers behind a verdict.
@@ -222,6 +225,7 @@ fn summary(state: &BwState) -> Outcome<BwReport> {
             resting: counts.resting,
             stuck: stuck.fold(0, |mask, channel| mask | (1 << channel)),
             lost_samples,
+            alignment: state.alignment().into(),
             lost_segments,
             distance: decision.map_or(0.0, |decision| decision.distance),
             surprise: decision.map_or(0.0, |decision| decision.surprise),

@@ -111,6 +111,8 @@ mod tests {
             Implausible::Current,
             Implausible::TorqueConstant,
             Implausible::Rate,
+            Implausible::WiringUndecided,
+            Implausible::Wiring,
         ];
         let kernels = [
             Kernel::Rounding,
@@ -153,7 +155,7 @@ mod tests {
 
     #[test]
     fn numbers_without_a_meaning_are_refused() {
-        let refused = [(0, 0), (11, 0), (16, 0), (1, 0), (1, 5), (5, 8), (12, 13), (13, 7)];
+        let refused = [(0, 0), (11, 0), (16, 0), (1, 0), (1, 5), (5, 8), (12, 15), (13, 7)];
         for (kind, place) in refused {
             assert_eq!(ReasonCode { kind, place, rows: 0 }.reason(), None, "{kind} {place}");
         }
