@@ -136,11 +136,15 @@ pub enum Implausible {
     StuckAngle,
     /// The angle makes steps that no motor makes: rows are lost without a number that tells it, or its sensor slips.
     AngleSteps,
+    /// The front end has not seen yet that the currents turn with the rotor ([`Alignment`](crate::drive::Alignment)).
+    WiringUndecided,
+    /// The currents do not turn with the rotor: phase order, direction of the angle or pole pairs.
+    Wiring,
 }
 
 impl Implausible {
     /// All errors, in the order of their numbers in the C interface and in frames.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::CurrentSign,
         Self::LoadSign,
         Self::MotionSign,
@@ -156,6 +160,8 @@ impl Implausible {
         Self::Rate,
         Self::StuckAngle,
         Self::AngleSteps,
+        Self::WiringUndecided,
+        Self::Wiring,
     ];
 
     /// The error in words.
@@ -181,6 +187,10 @@ impl Implausible {
                 "the angle stands while velocity or current change: its sensor is stuck, or the shaft held"
             }
             Self::AngleSteps => "the angle makes steps that no motor makes: rows are lost, or its sensor slips",
+            Self::WiringUndecided => "the check of the wiring has not decided yet",
+            Self::Wiring => {
+                "the currents do not turn with the rotor: phase order, direction of the angle or pole pairs"
+            }
         }
     }
 }

@@ -6,7 +6,7 @@
 
 /* In the context of the main loop. `name` is the class that caused the alarm, or "unknown". */
 void bearing_alarm(const char *name);
-/* At boot: the monitor does not start. */
+/* At boot: the monitor does not start; later: the drive is not watched. */
 void bearing_error(const char *text);
 
 /* One bounded step of the main loop; the timer of the control does not make `milliseconds`. */
@@ -15,7 +15,8 @@ static inline void bearing_advance(BwDrive *drive, uint32_t milliseconds) {
     BwReport report;
     BwAlarm alarm;
     char label[17];
-    bw_drive_clock(drive, milliseconds);
+    const BwCode code = bw_drive_clock(drive, milliseconds);
+    if (code < 0) { bearing_error(bw_error_text(code)); } /* once, until the drive is watched again */
     if (bw_drive_advance(drive, &report, &alarm) != BW_CODE_REPORT) { return; }
     if (alarm.raised && !told) {
         bool named = alarm.known && bw_label(drive->detector, alarm.class_index, label, sizeof label) >= 0;

@@ -30,7 +30,7 @@ void bearing_start() {
 }
 
 void bearing_control_interrupt(const FOCMotor &motor) {
-    static uint32_t number; /* a timer interrupt that is missed leaves no gap: bw_check_rate finds it */
+    static uint32_t number; /* a timer interrupt that is missed leaves no gap: bw_drive_clock finds it */
     /* loopFOC measures the quadrature current in this mode only, and leaves the last value if the motor is disabled. */
     const bool controlled = motor.enabled && motor.torque_controller == TorqueControlType::foc_current;
     const bool commanded =

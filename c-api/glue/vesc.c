@@ -69,7 +69,7 @@ static THD_FUNCTION(collect, argument) {
     }
 }
 
-/* Milliseconds of the system timer, which wrap as those of bw_check_rate do. */
+/* Milliseconds of the system timer, which wrap as those of bw_drive_clock do. */
 static uint32_t milliseconds(void) {
     static uint32_t sum_ms, last_ticks;
     const uint32_t per_ms = CH_CFG_ST_FREQUENCY / 1000;

@@ -10,6 +10,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Before a function whose result matters: compilers warn where it is not used. */
+#if defined(__GNUC__) || defined(__clang__)
+#define BW_MUST_CHECK __attribute__((warn_unused_result))
+#else
+#define BW_MUST_CHECK
+#endif
+
 // Largest number of channels of a sample.
 #define BW_MAX_CHANNELS 8
 
@@ -161,10 +168,20 @@ enum BwCode
   BW_CODE_BUFFER_TOO_SMALL = -10,
   // The blocks before were not sent: the sample is not recorded.
   BW_CODE_RECORDER_FULL = -11,
-  // Four samples wait already: this one is lost, and counts as one with bad values.
+  // Four samples wait already: this one is lost, and counts as one with bad values. `bw_collect_waiting` is due.
   BW_CODE_SAMPLE_LOST = -12,
   // The chip, or its settings in this context, computes otherwise than the host of the training.
   BW_CODE_ARITHMETIC = -13,
+  // No sample has come for too long: `bw_drive_sample` is not called, or the front end gives none.
+  BW_CODE_NO_SAMPLE = -14,
+  // Samples wait, but were not collected for too long.
+  BW_CODE_NOT_COLLECTED = -15,
+  // Samples come, but no segment has closed for too long, or none was taken by the main loop.
+  BW_CODE_NO_SEGMENT = -16,
+  // No segment has had a verdict for too long: `BwReport` and `BwAlarm` say why.
+  BW_CODE_NO_VERDICT = -17,
+  // Samples do not come at the rate of the model: no segment has a verdict.
+  BW_CODE_WRONG_RATE = -18,
   // The bytes are not a model.
   BW_CODE_NOT_A_MODEL = -20,
   // The model has another format version: train it again.
@@ -345,6 +362,30 @@ enum BwPart
 typedef enum BwPart BwPart;
 #else
 typedef int BwPart;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Whether the currents turn with the rotor.
+enum BwAlignment
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // No window has told yet: the shaft has not turned with a current. No segment has a verdict.
+  BW_ALIGNMENT_UNDECIDED = 0,
+  // They do.
+  BW_ALIGNMENT_ALIGNED = 1,
+  // They do not: no segment has a verdict.
+  BW_ALIGNMENT_MISALIGNED = 2,
+  // They are not checked: currents or motion are too small, the drive gives a quadrature current of its own, or it has
+  // no front end. Segments have verdicts.
+  BW_ALIGNMENT_UNKNOWN = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum BwAlignment BwAlignment;
+#else
+typedef int BwAlignment;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -626,6 +667,8 @@ typedef struct BwReport {
   uint8_t most;
   // Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
   bool falls;
+  // Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: nobody has checked the wiring.
+  BwAlignment alignment;
 } BwReport;
 
 // The alarm, and what leads to it.
@@ -749,8 +792,10 @@ typedef struct BwFrontEndConstants {
   uint16_t stuck_samples;
   // Samples in a window of the sum of three currents, at least 16: sixteen are an electrical turn.
   uint16_t balance_window_samples;
-  // Expected rms of the sum of the three currents, with noise and errors of the offsets, A.
+  // Noise of the sum of the three currents, its standard deviation, A.
   float balance_noise_a;
+  // Largest offset of a sensor, and of the sum of the three, that is removed, A.
+  float balance_offset_a;
   // Tolerated relative error of a gain.
   float balance_gain_tolerance;
   // Bandwidth of the loop that follows the shaft angle, Hz: 1/2000 … 1/10 of the control rate.
@@ -813,6 +858,8 @@ typedef struct BwCleanSample {
   // converter, currents that do not fit each other, unequal gains of a resolver): samples before were wrong. Call
   // `bw_discard`.
   uint8_t found_late;
+  // Whether the currents turn with the rotor, `BW_ALIGNMENT_…`. Pass it to `bw_tell_alignment`.
+  uint8_t alignment;
 } BwCleanSample;
 
 // What was refused since the start or `bw_front_end_clear_faults`, in samples where nothing else is said, and what is
@@ -858,8 +905,8 @@ typedef struct BwFrontEndFaults {
   BwLock lock;
   // Number of gaps in the numbers of the samples.
   uint32_t gaps;
-  // Whether the currents were seen to turn with the rotor since the start.
-  bool aligned;
+  // Whether the currents turn with the rotor.
+  BwAlignment alignment;
 } BwFrontEndFaults;
 
 // What a calibration must look like.
@@ -1020,7 +1067,7 @@ size_t bw_state_size(void);
 // # Safety
 // `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `model` is
 // NULL or has `length` readable bytes. `state` is NULL or writable. No other function works on the state.
-BwCode bw_init(void *memory, size_t size, const uint8_t *model, size_t length, struct BwState **state);
+BW_MUST_CHECK BwCode bw_init(void *memory, size_t size, const uint8_t *model, size_t length, struct BwState **state);
 
 // Makes a state with the model that the library was built with (`BEARING_WATCH_PLAN=model.rs`), whose `BW_MODEL_MARK`
 // is `mark`, and gives its address in `state`. Nothing is read or checked when it runs: the compiler has done that. It
@@ -1032,7 +1079,7 @@ BwCode bw_init(void *memory, size_t size, const uint8_t *model, size_t length, s
 // # Safety
 // `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `state` is
 // NULL or writable. No other function works on the state.
-BwCode bw_init_own(void *memory, size_t size, uint32_t mark, struct BwState **state);
+BW_MUST_CHECK BwCode bw_init_own(void *memory, size_t size, uint32_t mark, struct BwState **state);
 
 // Takes one sample in the sampling interrupt, in time that hardly depends on the data. `values` are the channels in
 // the order of the model, in the unit that each name says; `angle` is the shaft's (`bw_angle`), 0 if the model needs
@@ -1088,7 +1135,8 @@ BwCode bw_pending(struct BwState *state, uint32_t *samples);
 // that of `BwCleanSample`.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_WRONG_CHANNEL_COUNT`, or `BW_CODE_SAMPLE_LOST` if four samples wait: this one then
-// counts as one with bad values.
+// counts as one with bad values. Request the interrupt below after both `BW_CODE_OK` and `BW_CODE_SAMPLE_LOST`, or a
+// full queue stays full.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count` readable
@@ -1144,17 +1192,31 @@ BwCode bw_conclude(struct BwState *state);
 // As `bw_advance`.
 BwCode bw_adopt(struct BwState *state);
 
-// Compares the number of samples that `bw_collect` was given so far with a clock, in milliseconds; both may wrap. Call
-// it in the main loop, as often as you like; no time counts before the first sample. If over ten seconds the samples
-// did not come at the rate of the model, to two per cent, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`) until
-// they do. Rows that come twice, held or interpolated, are found by nothing else. A pause of the samples counts as a
-// wrong rate.
+// Compares what was done so far with a clock, in milliseconds, which the timer of the samples does not make. `samples`
+// is the number of samples that `bw_put` or `bw_collect` was given; both may wrap. Call it in the main loop, as often as
+// you like.
 //
-// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, or `BW_CODE_BUSY`.
+// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, `BW_CODE_BUSY`, or why the
+// drive is not watched as it should be, each reason once until it is right again: `BW_CODE_NO_SAMPLE`,
+// `BW_CODE_NOT_COLLECTED` or `BW_CODE_ARITHMETIC` if no sample was taken for three seconds; `BW_CODE_NO_SEGMENT` if no
+// segment has closed for three of its durations and three seconds; `BW_CODE_NO_VERDICT` if none has had a verdict for 24
+// hours; `BW_CODE_WRONG_RATE` if over ten seconds samples did not come at the rate of the model, to two per cent. While
+// they do not, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`), and what the first ten seconds have added to the
+// alarm is taken out again. Rows that come twice, held or interpolated, are found by nothing else.
 //
 // # Safety
 // As `bw_advance`.
-BwCode bw_check_rate(struct BwState *state, uint32_t samples, uint32_t milliseconds);
+BW_MUST_CHECK
+BwCode bw_clock(struct BwState *state,
+                uint32_t samples,
+                uint32_t milliseconds);
+
+// Sets other times than those of `bw_clock`, within which samples, segments and verdicts must come, in seconds;
+// `INFINITY` for never. The times count anew.
+//
+// # Safety
+// As `bw_advance`.
+BwCode bw_limit_liveness(struct BwState *state, float sample_s, float segment_s, float verdict_s);
 
 // Gives the report of the segment that was solved last. It is there until the solve of the next segment starts.
 //
@@ -1253,7 +1315,7 @@ BwCode bw_saved_size(const struct BwState *state, size_t *length);
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
 // bytes.
-BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
+BW_MUST_CHECK BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 
 // Continues from the alarm and scores that `bw_save` wrote, for this model; there is no report then, and a
 // segment that was being solved is left out. In case of an error nothing changes.
@@ -1264,7 +1326,7 @@ BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `length` readable
 // bytes.
-BwCode bw_restore(struct BwState *state, const uint8_t *bytes, size_t length);
+BW_MUST_CHECK BwCode bw_restore(struct BwState *state, const uint8_t *bytes, size_t length);
 
 // Erases ahead of the next `bw_flash_save`, which then only writes: at boot or at rest, since a chip that runs from
 // the bank that it erases stands still meanwhile, up to seconds for a large sector.
@@ -1325,6 +1387,7 @@ size_t bw_front_end_size(void);
 // # Safety
 // `memory` is NULL or has `size` writable bytes, which nothing else writes until the front end is used no more.
 // `constants` is NULL or readable. `front_end` is NULL or writable. No other function works on the front end.
+BW_MUST_CHECK
 BwCode bw_front_end_init(void *memory,
                          size_t size,
                          const struct BwFrontEndConstants *constants,
@@ -1362,7 +1425,8 @@ BwCode bw_front_end_check_wiring(struct BwFrontEnd *front_end,
                                  struct BwWiringCheck *wiring);
 
 // Checks that a front end gives samples like those on which the model was trained: the interval, to 1 %, and the sign
-// convention of the quadrature current.
+// convention of the quadrature current. From here on no segment has a verdict before `bw_tell_alignment` has said what
+// the front end knows of the wiring (`BW_REASON_IMPLAUSIBLE`).
 //
 // Returns `BW_CODE_OK`, also if the model does not say, `BW_CODE_MODEL_INTERVAL`, `BW_CODE_MODEL_PARK`, or what is wrong
 // with the constants.
@@ -1371,6 +1435,15 @@ BwCode bw_front_end_check_wiring(struct BwFrontEnd *front_end,
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `constants` is NULL or readable.
 BwCode bw_check_front_end(const struct BwState *state,
                           const struct BwFrontEndConstants *constants);
+
+// Says whether the currents turn with the rotor, `BW_ALIGNMENT_…`, as each `BwCleanSample` has it: while that is not
+// decided, and where they do not, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`). In any context.
+//
+// Returns `BW_CODE_OK`, or `BW_CODE_OUT_OF_RANGE`.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+BwCode bw_tell_alignment(const struct BwState *state, uint8_t alignment);
 
 // Gives what was refused, and what is wrong now. In the interrupt, or with the interrupt masked.
 //
@@ -1600,7 +1673,7 @@ const char *bw_version(void);
 //
 // Returns 0, or the first part whose results differ: 1 rounding, 2 subnormal numbers, 3 square root, exponential or
 // logarithm, 4 transforms, 5 decimation, 6 the factor of a least-squares problem, 7 its solution.
-uint32_t bw_known_answer_test(void);
+BW_MUST_CHECK uint32_t bw_known_answer_test(void);
 
 // Gives what the model wants.
 //

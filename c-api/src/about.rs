@@ -66,6 +66,7 @@ pub extern "C" fn bw_version() -> *const c_char {
 ///
 /// Returns 0, or the first part whose results differ: 1 rounding, 2 subnormal numbers, 3 square root, exponential or
 /// logarithm, 4 transforms, 5 decimation, 6 the factor of a least-squares problem, 7 its solution.
+#[must_use]
 #[unsafe(no_mangle)]
 pub extern "C" fn bw_known_answer_test() -> u32 {
     let numbers = |wrong: Kernel| (1..).zip(Kernel::ALL).find(|(_, kernel)| *kernel == wrong);

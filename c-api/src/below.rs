@@ -15,7 +15,8 @@ use crate::waiting::Put;
 /// that of `BwCleanSample`.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_WRONG_CHANNEL_COUNT`, or `BW_CODE_SAMPLE_LOST` if four samples wait: this one then
-/// counts as one with bad values.
+/// counts as one with bad values. Request the interrupt below after both `BW_CODE_OK` and `BW_CODE_SAMPLE_LOST`, or a
+/// full queue stays full.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count` readable
@@ -53,7 +54,11 @@ pub unsafe extern "C" fn bw_collect_waiting(state: *mut BwState) -> BwCode {
 
 fn take_all(state: &BwState, detector: &mut OwnDetector) -> Outcome {
     if !state.waiting.tested.load(Ordering::Relaxed) {
-        known_answer_test().map_err(|_| BwCode::Arithmetic)?;
+        known_answer_test().map_err(|_| {
+            state.waiting.failed.store(true, Ordering::Relaxed);
+            BwCode::Arithmetic
+        })?;
+        state.waiting.failed.store(false, Ordering::Relaxed);
         state.waiting.tested.store(true, Ordering::Relaxed);
     }
     let mut outcome = Ok(BwCode::Ok);

@@ -49,10 +49,20 @@ pub enum BwCode {
     BufferTooSmall = -10,
     /// The blocks before were not sent: the sample is not recorded.
     RecorderFull = -11,
-    /// Four samples wait already: this one is lost, and counts as one with bad values.
+    /// Four samples wait already: this one is lost, and counts as one with bad values. `bw_collect_waiting` is due.
     SampleLost = -12,
     /// The chip, or its settings in this context, computes otherwise than the host of the training.
     Arithmetic = -13,
+    /// No sample has come for too long: `bw_drive_sample` is not called, or the front end gives none.
+    NoSample = -14,
+    /// Samples wait, but were not collected for too long.
+    NotCollected = -15,
+    /// Samples come, but no segment has closed for too long, or none was taken by the main loop.
+    NoSegment = -16,
+    /// No segment has had a verdict for too long: `BwReport` and `BwAlarm` say why.
+    NoVerdict = -17,
+    /// Samples do not come at the rate of the model: no segment has a verdict.
+    WrongRate = -18,
     /// The bytes are not a model.
     NotAModel = -20,
     /// The model has another format version: train it again.
@@ -128,7 +138,7 @@ pub enum BwCode {
 }
 
 impl BwCode {
-    const ALL: [Self; 57] = [
+    const ALL: [Self; 62] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
@@ -150,6 +160,11 @@ impl BwCode {
         Self::RecorderFull,
         Self::SampleLost,
         Self::Arithmetic,
+        Self::NoSample,
+        Self::NotCollected,
+        Self::NoSegment,
+        Self::NoVerdict,
+        Self::WrongRate,
         Self::NotAModel,
         Self::ModelVersion,
         Self::ModelTruncated,
@@ -211,6 +226,11 @@ impl BwCode {
             Self::RecorderFull => c"the blocks before were not sent: the sample is not recorded",
             Self::SampleLost => c"a sample is lost: those before it were not collected",
             Self::Arithmetic => c"the chip computes otherwise than the host of the training",
+            Self::NoSample => c"no samples come from the current loop",
+            Self::NotCollected => c"samples wait, but are not collected",
+            Self::NoSegment => c"samples come, but no segment closes or is taken",
+            Self::NoVerdict => c"no segment has had a verdict for too long",
+            Self::WrongRate => c"the samples do not come at the rate of the model",
             Self::NotAModel => c"these bytes are not a bearing-watch model",
             Self::ModelVersion => c"the model has another format version; train it again",
             Self::ModelTruncated => c"the model is truncated",

@@ -11,6 +11,7 @@
 //!              bw_adopt                     its estimate becomes the next auxiliary model (interrupt masked)
 //!              bw_alarm                     the evidence of all segments
 //!              bw_contribution, bw_growth   what each direction has risen by, size of a defect and time left
+//!              bw_clock                     whether samples, segments and verdicts come, at the right rate
 //!              bw_save, bw_restore          the same as bytes, which survive power-off
 //!              bw_seal, bw_open             these bytes under a key of the drive (feature `signature`)
 //! or at once   bw_step                      a sample; now and then BW_CODE_REPORT
@@ -47,6 +48,7 @@ mod below;
 mod blocks;
 mod calibration;
 mod can;
+mod clock;
 mod code;
 mod flash;
 mod front_end;
@@ -54,7 +56,6 @@ mod growth;
 mod memory;
 mod names;
 mod plan;
-mod rate;
 mod recorder;
 mod report;
 mod sampling;
@@ -81,13 +82,16 @@ pub use calibration::{
     bw_calibration_init, bw_calibration_push,
 };
 pub use can::{BW_CAN_FRAME_SIZE, BwCanSend, bw_can_frame, bw_can_stream};
+pub use clock::{bw_clock, bw_limit_liveness};
 pub use code::{BwCode, bw_error_text};
 pub use flash::{
     BW_FLASH_UNIT, BwFlash, bw_flash_load_model, bw_flash_prepare, bw_flash_restore, bw_flash_save,
     bw_flash_store_model,
 };
-pub use front_end::constants::{BwFrontEndConstants, BwPhaseSensor, bw_check_front_end};
-pub use front_end::faults::{BwFrontEndFaults, BwImbalance, BwLock, bw_front_end_clear_faults, bw_front_end_faults};
+pub use front_end::constants::{BwFrontEndConstants, BwPhaseSensor, bw_check_front_end, bw_tell_alignment};
+pub use front_end::faults::{
+    BwAlignment, BwFrontEndFaults, BwImbalance, BwLock, bw_front_end_clear_faults, bw_front_end_faults,
+};
 pub use front_end::sample::{BwCleanSample, BwPosition, BwRawSample};
 pub use front_end::{
     BW_FRONT_END_SIZE, BwFrontEnd, bw_front_end_check_wiring, bw_front_end_init, bw_front_end_push, bw_front_end_size,
@@ -100,7 +104,6 @@ pub use plan::{
     BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_FURTHER, BW_MAX_ORDERS, BW_MAX_PARAMETERS,
     BW_MAX_PROJECTION, BW_MAX_RISING,
 };
-pub use rate::bw_check_rate;
 pub use recorder::{
     BW_BLOCK_BYTES, BW_RAW_RECORDER_SIZE, BW_RECORDER_SIZE, BwRawRecorder, BwRecorder, bw_raw_recorder_init,
     bw_raw_recorder_push, bw_recorder_init, bw_recorder_push, bw_recorder_skip,

@@ -42,7 +42,7 @@ const REASONS: Names<17> = names! {
     BwReason::Unseen => "the segment would not have shown an acceptable defect",
 };
 
-const CODES: Names<57> = names! {
+const CODES: Names<62> = names! {
     BwCode::Ok => "BW_CODE_OK",
     BwCode::Segment => "BW_CODE_SEGMENT",
     BwCode::Report => "BW_CODE_REPORT",
@@ -64,6 +64,11 @@ const CODES: Names<57> = names! {
     BwCode::RecorderFull => "BW_CODE_RECORDER_FULL",
     BwCode::SampleLost => "BW_CODE_SAMPLE_LOST",
     BwCode::Arithmetic => "BW_CODE_ARITHMETIC",
+    BwCode::NoSample => "BW_CODE_NO_SAMPLE",
+    BwCode::NotCollected => "BW_CODE_NOT_COLLECTED",
+    BwCode::NoSegment => "BW_CODE_NO_SEGMENT",
+    BwCode::NoVerdict => "BW_CODE_NO_VERDICT",
+    BwCode::WrongRate => "BW_CODE_WRONG_RATE",
     BwCode::NotAModel => "BW_CODE_NOT_A_MODEL",
     BwCode::ModelVersion => "BW_CODE_MODEL_VERSION",
     BwCode::ModelTruncated => "BW_CODE_MODEL_TRUNCATED",

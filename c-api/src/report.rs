@@ -4,6 +4,7 @@ use bearing_watch::plan::MAX_CHANNELS;
 use bearing_watch::shaft::{OrderStrength, Parameter};
 use bearing_watch::{FrictionTerm, Implausible, Kernel, Obstacle, Part, Reason, Report, Verdict};
 
+use crate::BwAlignment;
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};
 use crate::plan::Own;
@@ -131,6 +132,8 @@ pub struct BwReport {
     pub most: u8,
     /// Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
     pub falls: bool,
+    /// Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: nobody has checked the wiring.
+    pub alignment: BwAlignment,
 }
 
 /// Lists of numbers behind a verdict.
@@ -235,6 +238,7 @@ fn summary(state: &BwState) -> Outcome<BwReport> {
             resting: counts.resting,
             stuck: stuck.fold(0, |mask, channel| mask | (1 << channel)),
             lost_samples,
+            alignment: state.alignment().into(),
             lost_segments,
             distance: decision.map_or(0.0, |decision| decision.distance),
             surprise: decision.map_or(0.0, |decision| decision.surprise),

@@ -5,6 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use bearing_watch::plan::{MAX_CHANNELS, Plan, Signals as _};
 use bearing_watch::{Angle, Exchange};
 
+use crate::clock::Clock;
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
@@ -122,6 +123,7 @@ fn keep(state: &BwState, exchange: Exchange<'static, Own>) -> Outcome {
         count(&state.lost_segments);
         return Err(BwCode::SegmentLost);
     };
+    state.closed_segments.store(state.closed_segments.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     // SAFETY: the caller holds the sampling half of the state, and has taken the place of the slot for this one.
     unsafe { state.closed.fill(place) };
     Ok(BwCode::Segment)
@@ -178,6 +180,8 @@ pub unsafe extern "C" fn bw_restart(state: *mut BwState) -> BwCode {
             unsafe { state.waiting.clear() };
             state.missed.store(0, Ordering::Relaxed);
             detector.restart();
+            // The main loop may be reading the clock: then its times count on.
+            let _free = state.clock.with(Clock::restart);
         })
     };
     code(found.and_then(restart).map(|()| BwCode::Ok))
@@ -259,7 +263,8 @@ mod tests {
         let sample = values.as_ptr();
         // SAFETY: the memory is there as long as the state is used.
         unsafe {
-            bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            assert_eq!(code, BwCode::Ok);
             let state = at(own).unwrap();
             let counted = || state.sampling.with(|detector| (detector.pending(), detector.counts().rejected)).unwrap();
             bw_collect(own, sample, 3, 0);
@@ -285,7 +290,8 @@ mod tests {
         let sample = values.as_ptr();
         // SAFETY: the memory is there as long as the state is used.
         unsafe {
-            bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            assert_eq!(code, BwCode::Ok);
             while bw_collect(own, sample, 3, 0) != BwCode::Segment {}
             assert_eq!(bw_step(own, sample, 3, 0), BwCode::Busy, "it waits to be solved");
             assert_eq!(bw_advance(own), BwCode::Ok);

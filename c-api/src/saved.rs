@@ -28,6 +28,7 @@ pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
 /// bytes.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: usize) -> BwCode {
     // SAFETY: the same contract.
@@ -61,6 +62,7 @@ pub(crate) unsafe fn save<'a>(state: *mut BwState, bytes: *mut u8, capacity: usi
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `length` readable
 /// bytes.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_restore(state: *mut BwState, bytes: *const u8, length: usize) -> BwCode {
     // SAFETY: the same contract.

@@ -1,5 +1,9 @@
 //! What the main loop calls: a closed segment → its report.
 
+use core::sync::atomic::Ordering;
+
+use bearing_watch::Verdict;
+
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::at;
 use crate::state::{BwState, OwnMonitor};
@@ -42,7 +46,7 @@ fn take(state: &BwState, monitor: &mut OwnMonitor) {
 fn advance(state: &BwState, monitor: &mut OwnMonitor) -> BwCode {
     take(state, monitor);
     match (monitor.is_solving(), monitor.advance()) {
-        (_, Some(_)) => BwCode::Report,
+        (_, Some(now)) => reported(state, now.report.verdict),
         (true, None) => BwCode::Ok,
         (false, None) => BwCode::Idle,
     }
@@ -50,7 +54,14 @@ fn advance(state: &BwState, monitor: &mut OwnMonitor) -> BwCode {
 
 fn conclude(state: &BwState, monitor: &mut OwnMonitor) -> BwCode {
     take(state, monitor);
-    monitor.complete().map_or(BwCode::Idle, |_| BwCode::Report)
+    monitor.complete().map_or(BwCode::Idle, |now| reported(state, now.report.verdict))
+}
+
+fn reported(state: &BwState, verdict: Verdict) -> BwCode {
+    if !matches!(verdict, Verdict::Undetermined(_)) {
+        state.verdicts.store(state.verdicts.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+    }
+    BwCode::Report
 }
 
 /// Makes the estimate of the report the auxiliary model of instrumental variables, or of least squares with less weight

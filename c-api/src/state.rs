@@ -9,11 +9,13 @@ use core::cell::UnsafeCell;
 use core::ffi::c_void;
 use core::mem::{ManuallyDrop, offset_of};
 use core::ops::Deref;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
+use bearing_watch::drive::Alignment;
 use bearing_watch::plan::Plan;
-use bearing_watch::{Detector, Model, Monitor, RateCheck, Segment};
+use bearing_watch::{Detector, Model, Monitor, Segment};
 
+use crate::clock::Clock;
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{BW_STATE_ALIGN, Object, Tag, check, elements, put, room};
 use crate::plan::Own;
@@ -45,10 +47,15 @@ pub struct Halves {
     /// Samples that were lost because a function was busy, and segments that were not taken.
     pub(crate) lost_samples: AtomicU32,
     pub(crate) lost_segments: AtomicU32,
+    /// Segments that have closed, and those with a verdict, with wrap-around.
+    pub(crate) closed_segments: AtomicU32,
+    pub(crate) verdicts: AtomicU32,
     /// Samples lost since the last one that the detector took, which must know of the gap.
     pub(crate) missed: AtomicU32,
     /// Number of the segment that `bw_discard` has put in doubt; [`NO_SEGMENT`] at first.
     pub(crate) doubted: AtomicU32,
+    /// Place in `Alignment::ALL` of what the front end knows of the wiring; none without a front end.
+    pub(crate) alignment: AtomicU8,
     pub(crate) closed: Slot<Segment<Own>>,
     pub(crate) waiting: Waiting<Sample>,
     pub(crate) sampling: Lock<OwnDetector>,
@@ -56,7 +63,7 @@ pub struct Halves {
     /// The open segment and the one of the slot, in turns.
     places: [UnsafeCell<Segment<Own>>; 2],
     pub(crate) solving: Lock<OwnMonitor>,
-    pub(crate) rate: Lock<RateCheck>,
+    pub(crate) clock: Lock<Clock>,
 }
 
 /// A sample of the plan.
@@ -91,9 +98,16 @@ impl BwState {
         })
     }
 
+    /// What is known of the wiring.
+    pub(crate) fn alignment(&self) -> Alignment {
+        let place = self.alignment.load(Ordering::Relaxed);
+        Alignment::ALL.get(usize::from(place)).copied().unwrap_or_default()
+    }
+
     // Here once, for all kinds of work.
     #[inline(never)]
     fn settle(&self, monitor: &mut OwnMonitor) {
+        monitor.tell_alignment(self.alignment());
         monitor.withdraw(self.doubted.load(Ordering::Relaxed));
     }
 }
@@ -213,6 +227,7 @@ pub extern "C" fn bw_state_size() -> usize {
 /// # Safety
 /// `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `model` is
 /// NULL or has `length` readable bytes. `state` is NULL or writable. No other function works on the state.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_init(
     memory: *mut c_void,
@@ -252,6 +267,7 @@ unsafe fn init(
 /// # Safety
 /// `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `state` is
 /// NULL or writable. No other function works on the state.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_init_own(memory: *mut c_void, size: usize, mark: u32, state: *mut *mut BwState) -> BwCode {
     let init = || {
@@ -291,12 +307,16 @@ unsafe fn fill(own: *mut BwState, model: &'static Model<Own>, state: *mut *mut B
         (&raw mut (*own).0.missed).write(AtomicU32::new(0));
         (&raw mut (*own).0.waiting).write(Waiting::new());
         (&raw mut (*own).0.doubted).write(AtomicU32::new(NO_SEGMENT));
+        (&raw mut (*own).0.alignment).write(AtomicU8::new(Alignment::Unknown as u8));
         let [open, spare] = place_segments(own);
         (&raw mut (*own).0.closed).write(Slot::new(spare));
         place_detector(own, model, open);
         place_monitor(own, model);
-        let interval_s = model.constants().sampling.interval_s;
-        (&raw mut (*own).0.rate).write(Lock::new(RateCheck::of_milliseconds(interval_s)));
+        let sampling = &model.constants().sampling;
+        let clock = Clock::new(sampling.interval_s, sampling.segment_samples);
+        (&raw mut (*own).0.clock).write(Lock::new(clock));
+        (&raw mut (*own).0.closed_segments).write(AtomicU32::new(0));
+        (&raw mut (*own).0.verdicts).write(AtomicU32::new(0));
         (*own).0.tag.set(own);
         put(state, own)?;
     }

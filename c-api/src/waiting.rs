@@ -23,6 +23,8 @@ pub(crate) struct Waiting<T> {
     found_late: AtomicBool,
     /// Whether the arithmetic of the context that takes was tested.
     pub(crate) tested: AtomicBool,
+    /// Whether it computes otherwise than the host.
+    pub(crate) failed: AtomicBool,
 }
 
 #[derive(Debug)]
@@ -44,7 +46,17 @@ impl<T> Waiting<T> {
             missed: AtomicU32::new(0),
             found_late: AtomicBool::new(false),
             tested: AtomicBool::new(false),
+            failed: AtomicBool::new(false),
         }
+    }
+
+    /// Samples that were taken, with wrap-around; `None` if none was ever put.
+    pub(crate) fn taken(&self) -> Option<u32> {
+        (self.put.load(Ordering::Relaxed) > 0).then(|| self.taken.load(Ordering::Relaxed))
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.put.load(Ordering::Relaxed) == self.taken.load(Ordering::Relaxed)
     }
 
     fn place(&self, number: u32) -> Option<&UnsafeCell<Option<Put<T>>>> {

@@ -169,14 +169,15 @@ fn samples_at_another_rate_than_that_of_the_model_have_no_verdict() {
     let mut memory = Memory::new();
     let state = memory.state(FILE).expect("good model");
     // SAFETY: the state is initialised.
-    let check = |samples, milliseconds| unsafe { bw_check_rate(state, samples, milliseconds) };
+    let check = |samples, milliseconds| unsafe { bw_clock(state, samples, milliseconds) };
     // 500 Hz: 10 000 samples in 10 s are twice as many. Before the first sample no time counts.
-    assert_eq!([check(0, 0), check(1, 7000), check(10_001, 17_000)], [BwCode::Ok; 3]);
+    assert_eq!([check(0, 0), check(1, 2000)], [BwCode::Ok; 2]);
+    assert_eq!([check(10_001, 12_000), check(10_001, 12_001)], [BwCode::WrongRate, BwCode::Ok], "told once");
     assert_eq!(take(state, SEGMENT, true), BwCode::Report);
     assert_eq!(told(state), (BwVerdict::Undetermined, BwReason::Implausible, [1, 1]));
-    assert_eq!(check(15_051, 27_000), BwCode::Ok);
+    assert_eq!(check(15_051, 22_000), BwCode::Ok);
     assert_eq!(take(state, SEGMENT, true), BwCode::Report);
     assert_eq!(told(state), (BwVerdict::Class, BwReason::None, [2, 1]));
     // SAFETY: NULL is refused.
-    assert_eq!(unsafe { bw_check_rate(null_mut(), 0, 0) }, BwCode::Null);
+    assert_eq!(unsafe { bw_clock(null_mut(), 0, 0) }, BwCode::Null);
 }

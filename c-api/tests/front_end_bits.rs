@@ -88,7 +88,7 @@ fn same_faults(c: &BwFrontEndFaults, rust: &Faults) {
     };
     assert_eq!((c.imbalance, c.gain_error), imbalance);
     assert_eq!((c.clear, c.unbalanced_windows, c.gaps), (rust.is_clear(), rust.unbalanced_windows, rust.gaps));
-    assert_eq!((c.offsets_a, c.aligned), (rust.offsets_a, rust.aligned));
+    assert_eq!((c.offsets_a, c.alignment), (rust.offsets_a, rust.alignment.into()));
     assert_eq!(
         (c.position_stale, c.position_slipped, c.position_unsteady),
         (rust.position.stale, rust.position.slipped, rust.position.unsteady_windows)

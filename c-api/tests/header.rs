@@ -12,7 +12,7 @@
 use std::path::Path;
 use std::{env, fs};
 
-use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Language, RenameRule};
+use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, FunctionConfig, Language, RenameRule};
 
 /// If set, the test writes the header instead of comparing it.
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
@@ -28,7 +28,7 @@ const SOURCES: [&str; 23] = [
     "below",
     "angle",
     "solving",
-    "rate",
+    "clock",
     "report",
     "alarm",
     "growth",
@@ -50,6 +50,14 @@ const HEAD: &str = "\
  * Every function may be called with any pointer that is NULL or fulfils its \"Safety\" section; it returns a code,
  * BW_CODE_OK or above if it did what it says, and below 0 if it did nothing; BwCode names three exceptions. */";
 
+const MUST_CHECK: &str = "
+/* Before a function whose result matters: compilers warn where it is not used. */
+#if defined(__GNUC__) || defined(__clang__)
+#define BW_MUST_CHECK __attribute__((warn_unused_result))
+#else
+#define BW_MUST_CHECK
+#endif";
+
 fn header(root: &Path) -> String {
     let config = Config {
         language: Language::C,
@@ -61,6 +69,9 @@ fn header(root: &Path) -> String {
         usize_is_size_t: true,
         documentation_style: DocumentationStyle::C99,
         line_length: 120,
+        // A code that is not looked at hides that nothing is watched.
+        after_includes: Some(MUST_CHECK.into()),
+        function: FunctionConfig { must_use: Some("BW_MUST_CHECK".into()), ..FunctionConfig::default() },
         // Functions of a library that was built with the feature.
         defines: [("feature = signature".into(), "BEARING_WATCH_SIGNATURE".into())].into(),
         // Functions take its values as numbers.

@@ -21,6 +21,7 @@ use super::solver::Solve;
 use super::verdict;
 use crate::alarm::evidence::{Alarm, Evidence};
 use crate::alarm::{Growth, Silence, SilenceLimits, StateError};
+use crate::drive::Alignment;
 use crate::model::Model;
 use crate::plan::Plan;
 use crate::reason::{Implausible, Reason};
@@ -79,6 +80,9 @@ pub struct Monitor<'m, P: Plan> {
     sequence: Sequence,
     /// Why no segment has a verdict.
     refused: Option<Implausible>,
+    alignment: Alignment,
+    /// Whether the evidence before is that of before the trial.
+    on_trial: bool,
 }
 
 /// What is in the report.
@@ -119,6 +123,8 @@ impl<'m, P: Plan> Monitor<'m, P> {
             work: Work::Settled,
             sequence: Sequence::default(),
             refused: None,
+            alignment: Alignment::Unknown,
+            on_trial: false,
         }
     }
 
@@ -162,9 +168,37 @@ impl<'m, P: Plan> Monitor<'m, P> {
     }
 
     /// From now on no segment has a verdict, for this reason, which the signals do not show; with `None` they have one
-    /// again. [`RateCheck`](crate::RateCheck) finds such a reason.
-    pub const fn refuse(&mut self, error: Option<Implausible>) {
+    /// again. [`RateCheck`](crate::RateCheck) finds such a reason. It ends a trial: what segments have added to the
+    /// evidence since [`Monitor::begin_trial`] is taken out again if there is a reason.
+    pub fn refuse(&mut self, error: Option<Implausible>) {
         self.refused = error;
+        if core::mem::replace(&mut self.on_trial, false) && error.is_some() {
+            self.evidence.clone_from(&self.evidence_before);
+        }
+    }
+
+    /// Segments from now on count under reserve, until [`Monitor::refuse`] says whether their samples are good. If a
+    /// report is withdrawn meanwhile, those of the trial before it go with it.
+    pub fn begin_trial(&mut self) {
+        self.settle(false);
+        self.evidence_before.clone_from(&self.evidence);
+        self.on_trial = true;
+    }
+
+    /// What the front end knows of the wiring: no segment has a verdict before its currents were seen to turn with the
+    /// rotor ([`Implausible::WiringUndecided`]), or where they do not ([`Implausible::Wiring`]). A front end that cannot
+    /// tell, and a drive without one, is [`Alignment::Unknown`], as at first.
+    pub const fn tell_alignment(&mut self, alignment: Alignment) {
+        self.alignment = alignment;
+    }
+
+    /// Why no segment has a verdict whatever its signals are.
+    const fn refusal(&self) -> Option<Implausible> {
+        match self.alignment {
+            Alignment::Undecided => Some(Implausible::WiringUndecided),
+            Alignment::Misaligned => Some(Implausible::Wiring),
+            Alignment::Aligned | Alignment::Unknown => self.refused,
+        }
     }
 
     /// Solves a closed segment. For a main loop that has other work in between: [`Monitor::take`] and
@@ -255,11 +289,13 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Gives the report to the evidence.
     fn judge(&mut self) {
         self.work = Work::Doubtable;
-        if let Some(error) = self.refused {
+        if let Some(error) = self.refusal() {
             (self.report.verdict, self.report.decision) = (Verdict::Undetermined(Reason::Implausible(error)), None);
         }
         verdict::log(self.model, &self.report);
-        self.evidence_before.clone_from(&self.evidence);
+        if !self.on_trial {
+            self.evidence_before.clone_from(&self.evidence);
+        }
         self.evidence.observe_outcome(self.report.outcome());
     }
 
@@ -333,6 +369,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Starts afresh, as after a repair: alarm, scores, counts and silence.
     pub fn reset(&mut self) {
         self.evidence.reset();
+        self.evidence_before.clone_from(&self.evidence);
         (self.work, self.segment) = (Work::Settled, None);
     }
 
@@ -366,6 +403,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// As [`Evidence::restore`].
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), StateError> {
         self.evidence.restore(self.model, bytes)?;
+        self.evidence_before.clone_from(&self.evidence);
         (self.work, self.segment) = (Work::Settled, None);
         Ok(())
     }

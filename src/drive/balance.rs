@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! s = i_a + i_b + i_c                                                    (1) zero but for noise and sensor errors
-//! unbalanced if  ⟨s²⟩ > 4 σ² + g² (⟨i_a²⟩ + ⟨i_b²⟩ + ⟨i_c²⟩)             (2) σ: rms of s, g: tolerance of the gains
+//! unbalanced if  ⟨s²⟩ > 4 σ² + g² (⟨i_a²⟩ + ⟨i_b²⟩ + ⟨i_c²⟩)             (2) σ: noise of s, g: tolerance of the gains
 //! or if any    |⟨s i_x⟩| > 2 g ⟨i_x²⟩ + σ²/3 + 6 σ √(⟨i_x²⟩/n)           (3) n: samples in the window
 //! phase x explains  q_x = ⟨s i_x⟩² / ⟨i_x²⟩  of ⟨s²⟩                     (4)
 //! relative error of its gain  ε = r/(1 − r),  r = ⟨s i_x⟩ / ⟨i_x²⟩       (5)
@@ -21,8 +21,10 @@
 //!
 //! The mean of s over the window is removed before (2) and (3) if the window contains all octants: it is that of the
 //! offsets, which [`vector`] measures phase by phase, as it says whether the currents turn with the rotor. This is
-//! concluded from currents that balance, with ⟨|i|²⟩ > 4 σ². [`FrontEnd`](super::FrontEnd) removes a measured offset in
-//! steps of a quarter of it; one that exceeds 2 σ, alone or as the sum of the phases, is reported.
+//! concluded from currents that balance, that they do not only with ⟨|i|²⟩ > σ². If eight windows do not tell, the drive
+//! has too little current or motion for this check ([`Alignment::Unknown`]). [`FrontEnd`](super::FrontEnd) removes a
+//! measured offset in steps of a quarter of it; one that exceeds its limit, alone or as the sum of the phases, is
+//! reported. Where the angles do not tell the mean of s, (2) and (3) have room for an offset of this limit.
 //!
 //! Of two sensors s is zero: open phases, offsets and the direction of the vector are found, gains are not. A common
 //! error of all gains leaves the sum at zero and is not seen. Cost: a sum of twenty products at most 16 times an
@@ -40,8 +42,10 @@ use vector::Vector;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BalanceLimits {
-    /// Expected rms of the sum of the three currents, with noise and errors of the offsets, A.
+    /// Noise of the sum of the three currents, its standard deviation, A.
     pub noise_a: f32,
+    /// Largest offset of a sensor, and of the sum of the three, that is removed, A.
+    pub offset_a: f32,
     /// Tolerated relative error of a gain.
     pub gain_tolerance: f32,
     /// Samples in a window, at least 16: sixteen are an electrical turn.
@@ -51,7 +55,8 @@ pub struct BalanceLimits {
 impl BalanceLimits {
     pub(super) fn is_valid(&self) -> bool {
         let noise = self.noise_a > 0.0 && self.noise_a <= 1e6;
-        noise && self.gain_tolerance >= 0.0 && self.gain_tolerance < 1.0 && self.window >= 16
+        let offset = self.offset_a >= 0.0 && self.offset_a <= 1e6;
+        noise && offset && self.gain_tolerance >= 0.0 && self.gain_tolerance < 1.0 && self.window >= 16
     }
 }
 
@@ -88,6 +93,37 @@ pub enum Imbalance {
     Misaligned,
 }
 
+/// Whether the currents turn with the rotor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Alignment {
+    /// No window has told yet: the shaft has not turned with a current.
+    #[default]
+    Undecided,
+    /// They do.
+    Aligned,
+    /// They do not.
+    Misaligned,
+    /// They are not checked: currents or motion are too small, or the drive gives a quadrature current of its own.
+    Unknown,
+}
+
+impl Alignment {
+    /// All, in the order of their numbers in the C interface.
+    pub const ALL: [Self; 4] = [Self::Undecided, Self::Aligned, Self::Misaligned, Self::Unknown];
+
+    /// What is known, in words.
+    #[must_use]
+    pub const fn message(self) -> &'static str {
+        match self {
+            Self::Undecided => "the check of the wiring has not decided yet",
+            Self::Aligned => "the currents turn with the rotor",
+            Self::Misaligned => "the currents do not turn with the rotor",
+            Self::Unknown => "the wiring is not checked",
+        }
+    }
+}
+
 /// Sums of products over a window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -105,7 +141,7 @@ struct Sums {
 /// ```
 /// use bearing_watch::drive::{Abc, BalanceLimits, CurrentBalance, Imbalance, Phase};
 /// use bearing_watch::Angle;
-/// let limits = BalanceLimits { noise_a: 0.05, gain_tolerance: 0.02, window: 64 };
+/// let limits = BalanceLimits { noise_a: 0.05, offset_a: 0.1, gain_tolerance: 0.02, window: 64 };
 /// let mut balance = CurrentBalance::new(limits);
 /// for k in 0..200 {
 ///     let angle = Angle::from_counts(k * 2, 5);
@@ -135,10 +171,11 @@ pub struct CurrentBalance {
     imbalance: Option<Imbalance>,
     last_imbalance: Option<Imbalance>,
     unbalanced_windows: u32,
-    /// Whether a window has shown that the currents turn with the rotor.
-    aligned: bool,
-    /// Windows that must show it after one that has shown the opposite.
+    alignment: Alignment,
+    /// Windows that must show that the currents turn with the rotor after one that has shown the opposite.
     doubts: u8,
+    /// Windows that did not tell.
+    mute: u8,
 }
 
 /// 1/16 turn.
@@ -150,8 +187,8 @@ const PART: f32 = 0.25;
 const LEAST: f32 = 0.2;
 /// Windows in a row that end a misalignment.
 const DOUBTS: u8 = 4;
-/// Largest offset that is removed, in σ.
-const MOST: f32 = 2.0;
+/// Windows without an answer after which there is none to be expected.
+const MUTE: u8 = 8;
 
 impl CurrentBalance {
     /// No samples yet; until the first window is closed the currents count as balanced.
@@ -171,8 +208,9 @@ impl CurrentBalance {
             imbalance: None,
             last_imbalance: None,
             unbalanced_windows: 0,
-            aligned: false,
+            alignment: Alignment::Undecided,
             doubts: 0,
+            mute: 0,
         }
     }
 
@@ -191,8 +229,9 @@ impl CurrentBalance {
     /// Takes a sample as [`Self::push`], but leaves a full window to [`Self::close`].
     #[inline(always)]
     pub(super) fn gather(&mut self, currents: Abc, electrical: Angle, turn: SinCos) {
-        if electrical.since(self.taken).unsigned_abs() >= STEP {
-            self.take(currents, electrical, turn);
+        let turned = electrical.since(self.taken);
+        if turned.unsigned_abs() >= STEP {
+            self.take(currents, electrical, turn, turned < 0);
         }
     }
 
@@ -203,7 +242,7 @@ impl CurrentBalance {
     }
 
     #[inline(never)]
-    fn take(&mut self, currents: Abc, electrical: Angle, turn: SinCos) {
+    fn take(&mut self, currents: Abc, electrical: Angle, turn: SinCos, backward: bool) {
         let Abc { a, b, c } = currents;
         let s = a + b + c; // (1)
         if !s.is_finite() {
@@ -217,7 +256,7 @@ impl CurrentBalance {
         sums.aa += a * a;
         sums.bb += b * b;
         sums.ab += a * b;
-        self.vector.take(currents, turn);
+        self.vector.take(currents, turn, backward);
         self.levels.take(currents, s);
         self.octants |= 1_u8.wrapping_shl(electrical.bits() >> 29);
         self.count = self.count.saturating_add(1);
@@ -231,13 +270,14 @@ impl CurrentBalance {
         let measured = if self.octants == u8::MAX { self.vector.offsets(n) } else { None };
         let power = self.center(n, measured.is_some());
         (self.left_a, self.error_a) = (measured.unwrap_or_default(), self.vector.deviation(power, n));
-        self.imbalance = self.judge(n).or_else(|| self.shifted()).or_else(|| self.misaligned(power, n));
+        self.imbalance =
+            self.judge(n, measured.is_some()).or_else(|| self.shifted()).or_else(|| self.misaligned(power, n));
         if self.imbalance.is_some() {
             self.last_imbalance = self.imbalance;
             self.unbalanced_windows = self.unbalanced_windows.saturating_add(1);
         }
         (self.sums, self.count, self.octants) = (Sums::default(), 0, 0);
-        self.vector = Vector::default();
+        self.vector = self.vector.next();
         self.levels.next();
     }
 
@@ -268,39 +308,50 @@ impl CurrentBalance {
             }
         }
         let (offset_a, phase) = largest;
-        let most = MOST * self.limits.noise_a;
+        let most = self.limits.offset_a;
         let far = offset_a.abs() > most + 6.0 * self.error_a || f32::abs(sum) > most;
         far.then_some(Imbalance::Offset { phase, offset_a })
     }
 
     fn misaligned(&mut self, power: f32, n: f32) -> Option<Imbalance> {
         let noise = self.limits.noise_a * self.limits.noise_a;
-        let seen = self.octants == u8::MAX && power > 4.0 * n * noise;
-        if seen {
+        let told = if self.octants == u8::MAX { self.vector.is_aligned(power, n) } else { None };
+        let told = told.filter(|aligned| *aligned || power > n * noise);
+        match told {
+            Some(false) => self.doubts = DOUBTS,
             // Where the shaft turns back, any vector may look as if it turned with the rotor.
-            let against = self.vector.is_misaligned(power, n);
-            self.doubts = if against { DOUBTS } else { self.doubts.saturating_sub(1) };
-            self.aligned = self.doubts == 0;
+            Some(true) => self.doubts = self.doubts.saturating_sub(1),
+            None => self.mute = self.mute.saturating_add(1),
         }
+        self.alignment = match (self.doubts, told, self.alignment) {
+            (1.., ..) => Alignment::Misaligned,
+            (0, Some(_), _) => Alignment::Aligned,
+            (0, None, Alignment::Undecided) if self.mute >= MUTE => Alignment::Unknown,
+            (0, None, before) => before,
+        };
         (self.doubts > 0).then_some(Imbalance::Misaligned)
     }
 
-    /// Whether the last window that could tell has shown that the currents turn with the rotor. Not before the shaft
-    /// has turned by an electrical turn with a current above the noise.
+    /// There are no currents of phases.
+    pub(super) const fn is_not_checked(&mut self) {
+        self.alignment = Alignment::Unknown;
+    }
+
+    /// Whether the currents turn with the rotor, by the last window that told. None does before the shaft has turned by
+    /// an electrical turn with a current.
     #[must_use]
-    pub const fn is_aligned(&self) -> bool {
-        self.aligned
+    pub const fn alignment(&self) -> Alignment {
+        self.alignment
     }
 
     /// Removes a part of the offsets that the last window has measured; returns it, to be subtracted from the currents
     /// that are pushed from now on.
     pub(super) fn remove_offsets(&mut self) -> [f32; 3] {
-        let BalanceLimits { noise_a, .. } = self.limits;
+        let BalanceLimits { noise_a, offset_a: most, .. } = self.limits;
         let sure = matches!(self.imbalance, None | Some(Imbalance::Offset { .. }));
         let large = self.left_a.iter().any(|left| left.abs() > LEAST * noise_a + 3.0 * self.error_a);
         let mut steps = [0.0; 3];
         if sure && large {
-            let most = MOST * noise_a;
             for ((step, removed), left) in steps.iter_mut().zip(&mut self.removed_a).zip(self.left_a) {
                 let next = (*removed + PART * left).max(-most).min(most);
                 *step = next - *removed;
@@ -315,18 +366,25 @@ impl CurrentBalance {
         self.removed_a
     }
 
-    fn judge(&self, n: f32) -> Option<Imbalance> {
+    fn judge(&self, n: f32, centered: bool) -> Option<Imbalance> {
         let Sums { ss, sa, sb, aa, bb, ab } = self.sums;
         // c = s − a − b
         let (sc, cc) = (ss - sa - sb, ss + aa + bb + 2.0 * (ab - sa - sb));
         let [ss, sa, sb, sc] = [ss, sa, sb, sc].map(|sum| sum / n);
         let squares = [aa, bb, cc].map(|sum| sum / n);
-        let noise = self.limits.noise_a * self.limits.noise_a;
+        let BalanceLimits { noise_a, offset_a, .. } = self.limits;
+        let noise = noise_a * noise_a;
+        // 2 σ have room for an offset of this size.
+        let offset = if centered { 0.0 } else { (offset_a - 2.0 * noise_a).max(0.0) };
+        let expected = (2.0 * noise_a + offset) * (2.0 * noise_a + offset);
         let tolerance = self.limits.gain_tolerance * self.limits.gain_tolerance;
-        let loud = ss > 4.0 * noise + tolerance * squares.iter().sum::<f32>(); // (2)
+        let loud = ss > expected + tolerance * squares.iter().sum::<f32>(); // (2)
         let products = [sa, sb, sc];
-        let unbalanced =
-            loud || products.into_iter().zip(squares).any(|(product, square)| self.follows(product, square, n));
+        let unbalanced = loud
+            || products
+                .into_iter()
+                .zip(squares)
+                .any(|(product, square)| self.follows(f32::abs(product) - offset * libm::sqrtf(square), square, n));
         let floor = squares.iter().fold(0.0, |most: f32, square| if *square > most { *square } else { most }) / 50.0;
         if self.octants == u8::MAX && floor > noise {
             for (square, phase) in squares.iter().zip(Phase::ALL) {
@@ -336,7 +394,7 @@ impl CurrentBalance {
             }
         }
         let level = || self.levels.found(self.limits.noise_a);
-        unbalanced.then(|| level().unwrap_or_else(|| named([ss, 4.0 * noise], products, squares, floor)))
+        unbalanced.then(|| level().unwrap_or_else(|| named([ss, expected], products, squares, floor)))
     }
 
     /// (3)

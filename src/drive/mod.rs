@@ -31,7 +31,7 @@ mod tracking;
 mod wiring;
 
 pub use crate::signal::{Abc, AlphaBeta, BlockMean, Dq0, SinCos};
-pub use balance::{BalanceLimits, CurrentBalance, Imbalance};
+pub use balance::{Alignment, BalanceLimits, CurrentBalance, Imbalance};
 pub use calibration::{CalibrationError, CalibrationLimits, OffsetCalibration};
 pub use current::{CurrentSensors, Phase, PhaseCounts, PhaseFaults, PhaseSensor};
 pub use decimate::{By, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};

@@ -115,6 +115,8 @@ mod tests {
             Implausible::Rate,
             Implausible::StuckAngle,
             Implausible::AngleSteps,
+            Implausible::WiringUndecided,
+            Implausible::Wiring,
         ];
         let kernels = [
             Kernel::Rounding,
@@ -159,7 +161,7 @@ mod tests {
 
     #[test]
     fn numbers_without_a_meaning_are_refused() {
-        let refused = [(0, 0), (11, 0), (16, 2), (17, 0), (1, 0), (1, 5), (5, 8), (12, 15), (13, 7)];
+        let refused = [(0, 0), (11, 0), (16, 2), (17, 0), (1, 0), (1, 5), (5, 8), (12, 17), (13, 7)];
         for (kind, place) in refused {
             assert_eq!(ReasonCode { kind, place, rows: 0 }.reason(), None, "{kind} {place}");
         }

@@ -21,6 +21,7 @@ mod channel;
 mod counts_per_turn;
 mod frame;
 mod gate;
+mod liveness;
 mod rate;
 mod travel;
 
@@ -32,5 +33,6 @@ pub use channel::{Channel, Label, Name, limit, read};
 pub use counts_per_turn::CountsPerTurn;
 pub use frame::{Abc, AlphaBeta, Dq0, Park};
 pub use gate::{ChannelSet, Counts, Gate};
+pub use liveness::{Liveness, LivenessLimits, Stage};
 pub use rate::RateCheck;
 pub use travel::{Travel, TravelSums};

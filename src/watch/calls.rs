@@ -4,7 +4,7 @@ use core::sync::atomic::Ordering;
 
 use super::Watch;
 use super::inputs::{Inputs, StartError};
-use crate::drive::{By, CleanSample, Factor, FrontEnd, FrontEndConstants, RawSample, WiringCheck};
+use crate::drive::{Alignment, By, CleanSample, Factor, FrontEnd, FrontEndConstants, RawSample, WiringCheck};
 use crate::known_answers::known_answer_test;
 use crate::model::Model;
 use crate::plan::Plan;
@@ -30,6 +30,7 @@ where
 
     /// Takes what the current loop has read, at its rate. Returns whether [`Watch::collect`] has work: request its
     /// interrupt then.
+    #[must_use = "the interrupt of `collect` is to be requested"]
     #[inline]
     pub fn sample(&self, reading: impl Into<RawSample<FURTHER>>) -> bool {
         let take = |inputs: &mut Inputs<P, FrontEnd<FURTHER, FACTOR>>| {
@@ -39,7 +40,10 @@ where
             if inputs.told != Some(closed) {
                 inputs.tell(&self.link, closed);
             }
-            let late = clean.is_some_and(|clean| clean.found_late);
+            let late = clean.is_some_and(|clean| {
+                self.link.tell_alignment(clean.alignment);
+                clean.found_late
+            });
             // The first call of the other context tests its arithmetic, long before the first clean sample.
             inputs.put(&self.link, clean.map(|clean| (clean.into(), late))) || first
         };
@@ -61,6 +65,7 @@ impl<P: Plan> Watch<P> {
     pub fn start(&'static self, model: &'static Model<P>) -> Result<(), StartError> {
         known_answer_test().map_err(StartError::Arithmetic)?;
         self.start_lower(model)?;
+        self.link.tell_alignment(Alignment::Unknown);
         if self.inputs.fill(|| Inputs::new(())) { Ok(()) } else { Err(StartError::Started) }
     }
 

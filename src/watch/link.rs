@@ -1,13 +1,13 @@
 //! What the contexts of a watch share: samples, places of segments and numbers on their way.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 use heapless::Deque;
 use spin::mutex::SpinMutex as TryLock;
 
 use super::slot::Slot;
 use crate::detector::Segment;
-use crate::drive::Faults;
+use crate::drive::{Alignment, Faults};
 use crate::plan::Plan;
 
 /// Clean samples that wait for [`Watch::collect`](super::Watch::collect) at most: it may be late by this many of their
@@ -50,6 +50,8 @@ pub(super) struct Counters {
     pub(super) closed: AtomicU32,
     /// Number of the segment that a fault has put in doubt, plus one: 0 for none.
     pub(super) doubted: AtomicU32,
+    /// Place in [`Alignment::ALL`] of what the front end knows of the wiring: not decided at first.
+    pub(super) alignment: AtomicU8,
 }
 
 impl<P: Plan> Link<P> {
@@ -65,8 +67,20 @@ impl<P: Plan> Link<P> {
                 lost_segments: AtomicU32::new(0),
                 closed: AtomicU32::new(0),
                 doubted: AtomicU32::new(0),
+                alignment: AtomicU8::new(0),
             },
         }
+    }
+
+    /// Says what is known of the wiring.
+    #[inline(always)]
+    pub(super) fn tell_alignment(&self, alignment: Alignment) {
+        self.counters.alignment.store(alignment as u8, Ordering::Relaxed);
+    }
+
+    pub(super) fn alignment(&self) -> Alignment {
+        let place = self.counters.alignment.load(Ordering::Relaxed);
+        Alignment::ALL.get(usize::from(place)).copied().unwrap_or_default()
     }
 
     /// The oldest sample of the queue. A function of its own, so that the lock is free again when it returns.

@@ -12,6 +12,7 @@
 //! detector treats lost samples as missing ones.
 
 mod calls;
+mod clock;
 mod collector;
 mod inputs;
 mod link;
@@ -19,6 +20,7 @@ mod slot;
 #[cfg(test)]
 mod tests;
 
+pub use clock::Lapse;
 pub use inputs::StartError;
 pub use link::QUEUE;
 
@@ -27,11 +29,12 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use crate::alarm::StateError;
 use crate::detector::{Conclusion, Monitor, Segment};
-use crate::drive::Faults;
+use crate::drive::{Alignment, Faults};
 use crate::model::Model;
 use crate::plan::Plan;
-use crate::reason::{Implausible, Kernel};
-use crate::signal::RateCheck;
+use crate::reason::Kernel;
+use crate::report::Verdict;
+use crate::signal::{Liveness, LivenessLimits, RateCheck};
 use collector::Collector;
 use inputs::Inputs;
 use link::{Counters, Link, Place};
@@ -71,6 +74,13 @@ pub struct Watch<P: Plan, F: 'static = ()> {
 struct Main<P: Plan> {
     monitor: Monitor<'static, P>,
     rate: RateCheck,
+    /// Whether the last window of the rate was right.
+    right_rate: bool,
+    /// Whether the clock was read.
+    on_trial: bool,
+    liveness: Liveness,
+    /// Segments with a verdict, with wrap-around.
+    verdicts: u32,
     /// A place that the interrupt did not get yet.
     returned: Option<Place<P>>,
 }
@@ -80,6 +90,9 @@ struct Main<P: Plan> {
 pub struct Status {
     /// What the front end has refused, as of the end of the last segment; `None` without a front end.
     pub faults: Option<Faults>,
+    /// Whether the currents turn with the rotor: no segment has a verdict while this is not decided, and where they do
+    /// not. [`Alignment::Unknown`]: nobody has checked.
+    pub alignment: Alignment,
     /// What the context of [`Watch::collect`] computes otherwise than the host of the training.
     pub failed: Option<Kernel>,
     /// Samples that the detector took, with wrap-around.
@@ -110,8 +123,19 @@ impl<P: Plan, F> Watch<P, F> {
         let first = first.place(clear).ok_or(StartError::Started)?;
         let second = second.place(clear).ok_or(StartError::Started)?;
         *self.link.spare.try_lock().ok_or(StartError::Started)? = Some(second);
-        let rate = RateCheck::of_milliseconds(model.constants().sampling.interval_s);
-        let main = || Main { monitor: Monitor::new(model), rate, returned: None };
+        let interval_s = model.constants().sampling.interval_s;
+        let rate = RateCheck::of_milliseconds(interval_s);
+        let segment_s = interval_s * model.constants().sampling.segment_samples as f32;
+        let liveness = Liveness::new(LivenessLimits::of_segments(segment_s));
+        let main = || Main {
+            monitor: Monitor::new(model),
+            rate,
+            right_rate: true,
+            on_trial: false,
+            liveness,
+            verdicts: 0,
+            returned: None,
+        };
         let filled = self.main.fill(main) && self.collector.fill(|| Collector::new(model, first));
         if filled { Ok(()) } else { Err(StartError::Started) }
     }
@@ -144,6 +168,7 @@ impl<P: Plan, F> Watch<P, F> {
             return None;
         }
         let now = main.monitor.advance()?;
+        main.verdicts = main.verdicts.wrapping_add(u32::from(!matches!(now.report.verdict, Verdict::Undetermined(_))));
         // For instrumental variables, and for weights of outliers.
         self.collector.with(|collector| collector.detector.adopt(now.report));
         Some(tell(now))
@@ -157,23 +182,10 @@ impl<P: Plan, F> Watch<P, F> {
         }
     }
 
-    /// Withdraws a report that a fault has put in doubt.
+    /// Withdraws a report that a fault has put in doubt, and gives no verdict before the wiring is known.
     fn settle(&self, main: &mut Main<P>) {
+        main.monitor.tell_alignment(self.link.alignment());
         main.monitor.withdraw(self.link.counters.doubted.load(Ordering::Relaxed).wrapping_sub(1));
-    }
-
-    /// Compares the number of samples with the clock of the firmware, in milliseconds with wrap-around; no time counts
-    /// before the first sample. Call it in the main loop, as often as you like: while samples come at another rate than
-    /// that of training, no segment has a verdict ([`Implausible::Rate`]). Returns whether the rate is right with the
-    /// call that closes a window of ten seconds.
-    pub fn clock(&self, milliseconds: u32) -> Option<bool> {
-        let rows = self.link.counters.rows.load(Ordering::Relaxed);
-        let check = |main: &mut Main<P>| {
-            let right = main.rate.push(rows, milliseconds)?;
-            main.monitor.refuse((!right).then_some(Implausible::Rate));
-            Some(right)
-        };
-        self.main.with(check).flatten()
     }
 
     /// Works on the monitor in the main loop: alarm, evidence, limits of silence. `None` before the start.
@@ -207,8 +219,12 @@ impl<P: Plan, F> Watch<P, F> {
 
     /// Starts afresh where samples do not continue from the last one, as after a pause of the interrupt. Call it while
     /// that is stopped. Returns `false` if [`Watch::collect`] runs.
+    #[must_use = "it may not have started afresh"]
     pub fn restart(&self) -> bool {
-        self.main.with(|main| main.rate.restart());
+        self.main.with(|main| {
+            main.rate.restart();
+            main.liveness.restart();
+        });
         let cleared = self.link.queue.try_lock().map(|mut queue| queue.clear()).is_some();
         cleared && self.collector.with(|collector| collector.detector.restart()).is_some()
     }
@@ -219,6 +235,7 @@ impl<P: Plan, F> Watch<P, F> {
         let Counters { rows, lost_samples, lost_segments, .. } = &self.link.counters;
         Status {
             faults: self.link.faults.with(|faults| *faults),
+            alignment: self.link.alignment(),
             failed: self.collector.with(|collector| collector.failed()).flatten(),
             rows: of(rows),
             lost_samples: of(lost_samples),

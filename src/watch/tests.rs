@@ -3,17 +3,17 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::{QUEUE, StartError, Watch};
+use super::{Lapse, QUEUE, StartError, Watch};
 use crate::alarm::StateError;
 use crate::detector::{Detector, Monitor};
 use crate::drive::{
-    BalanceLimits, By, Factor, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample,
+    Alignment, BalanceLimits, By, Factor, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample,
     ResolverLimits, RotorFrame, TrackingConstants,
 };
 use crate::plan::{MAX_CHANNELS, Signals as _};
 use crate::reason::{Implausible, Reason};
 use crate::report::{Report, Verdict};
-use crate::signal::{Angle, Park};
+use crate::signal::{Angle, LivenessLimits, Park};
 use crate::tests::{Drive, MODEL, Sample, samples};
 
 fn started() -> &'static Watch<Drive> {
@@ -155,7 +155,7 @@ fn a_wrong_rate_leaves_no_verdict_until_it_is_right() {
         rates.extend(watch.clock(at_ms as u32));
         verdicts.extend(concluded(watch).map(|report| report.verdict));
     }
-    assert!(rates.contains(&false) && rates.last() == Some(&true), "{rates:?}");
+    assert_eq!(rates, [Lapse::Rate], "told once");
     let wrong = Verdict::Undetermined(Reason::Implausible(Implausible::Rate));
     assert!(verdicts.contains(&wrong) && verdicts.last() == Some(&Verdict::Class(1)), "{verdicts:?}");
 }
@@ -187,7 +187,7 @@ const CONSTANTS: FrontEndConstants = FrontEndConstants {
     control_rate_hz: 10.0 / MODEL.constants().sampling.interval_s,
     sensors: [PhaseSensor { offset_counts: 2048.0, gain_a: 0.01, usable: [16, 4079] }; 3],
     stuck_samples: 0,
-    balance: BalanceLimits { noise_a: 0.05, gain_tolerance: 0.02, window: 320 },
+    balance: BalanceLimits { noise_a: 0.05, offset_a: 0.1, gain_tolerance: 0.02, window: 320 },
     tracking: TrackingConstants {
         bandwidth_hz: 100.0,
         damping: 0.7,
@@ -236,6 +236,7 @@ fn readings_pass_the_front_end_and_its_faults_are_told_with_each_segment() {
         if let Some(clean) = front_end.push(&raw)
             && let Some(segment) = detector.collect(&clean.into())
         {
+            monitor.tell_alignment(front_end.faults().alignment);
             detector.adopt(monitor.conclude(segment).report);
             expected.push(monitor.report().unwrap().clone());
         }
@@ -243,6 +244,136 @@ fn readings_pass_the_front_end_and_its_faults_are_told_with_each_segment() {
     }
     assert!(reports.len() == 3 && reports == expected, "{} {}", reports.len(), expected.len());
     assert_eq!(watch.status().faults.unwrap().currents[0].saturated, 1);
+}
+
+/// What the clock tells at which millisecond, of a drive of which each context runs from and to some milliseconds.
+fn lapses(sampled: [u32; 2], collected: [u32; 2], advanced: [u32; 2], end_ms: u32) -> Vec<(u32, Lapse)> {
+    let (watch, interval_ms) = (started(), (1e3 * MODEL.constants().sampling.interval_s) as u32);
+    watch.limit_liveness(LivenessLimits { sample_s: 1.0, segment_s: 15.0, verdict_s: 40.0 });
+    let within = |[from, to]: [u32; 2], now: u32| (from..to).contains(&now);
+    let mut stream = samples(1.0);
+    let mut told = Vec::new();
+    for now in (0..end_ms).step_by(interval_ms as usize) {
+        if within(sampled, now) {
+            watch.sample(stream.next().unwrap());
+        }
+        if within(collected, now) {
+            watch.collect();
+        }
+        if within(advanced, now) {
+            concluded(watch);
+        }
+        told.extend(watch.clock(now).map(|lapse| (now, lapse)));
+    }
+    told
+}
+
+#[test]
+fn what_does_not_come_any_more_is_told_once_with_the_reason() {
+    let always = [0, u32::MAX];
+    assert_eq!(lapses(always, always, always, 60_000), []);
+    // A second behind the last of each; the pause of the samples is also a wrong rate in its window.
+    let told = lapses([0, 12_000], always, always, 30_000);
+    assert!(told.len() == 2 && told[0].1 == Lapse::NoSample && (12_900..13_100).contains(&told[0].0), "{told:?}");
+    let told = lapses(always, [0, 12_000], always, 19_000);
+    assert!(told.len() == 1 && told[0].1 == Lapse::NotCollected && (12_900..13_100).contains(&told[0].0), "{told:?}");
+    // Without the main loop a segment waits, and the next ones are lost.
+    let told = lapses(always, always, [0, 0], 30_000);
+    assert!(told.len() == 1 && told[0].1 == Lapse::NoSegment, "{told:?}");
+}
+
+#[test]
+fn an_alarm_of_the_first_window_goes_with_a_wrong_rate() {
+    let of_rate = |factor: f64| {
+        let (watch, interval_ms) = (started(), 1e3 * f64::from(MODEL.constants().sampling.interval_s));
+        let (mut at_ms, mut early, mut told) = (0.0_f64, 0, Vec::new());
+        for sample in samples(1.0) {
+            watch.sample(sample);
+            watch.collect();
+            at_ms += factor * interval_ms;
+            told.extend(watch.clock(at_ms as u32));
+            concluded(watch);
+            let segments = watch.monitor(|monitor| monitor.evidence().segments().0).unwrap();
+            if at_ms < 9_000.0 {
+                early = segments;
+            }
+            if at_ms > 11_000.0 {
+                return (early, segments, told);
+            }
+        }
+        unreachable!("samples without end")
+    };
+    let (early, segments, told) = of_rate(1.0);
+    assert!(early > 1 && segments > early && told.is_empty(), "{early} {segments} {told:?}");
+    let (early, segments, told) = of_rate(0.5);
+    assert!(early > 1 && segments < early && told == [Lapse::Rate], "{early} {segments} {told:?}");
+}
+
+/// Verdicts of a drive that rests for a segment, then turns fast, and what the status says of its wiring at the end.
+fn verdicts_of_wiring(change: impl Fn(&mut RawSample<1>)) -> (Vec<Verdict>, Alignment) {
+    let watch: &'static Watch<Drive, FrontEnd<1, 10>> = Box::leak(Box::default());
+    watch
+        .start(&MODEL, &FrontEndConstants { balance: BalanceLimits { window: 64, ..CONSTANTS.balance }, ..CONSTANTS })
+        .unwrap();
+    let per_segment = 10 * MODEL.constants().sampling.segment_samples;
+    assert_eq!(watch.status().alignment, Alignment::Undecided);
+    let mut verdicts = Vec::new();
+    for number in 0..12 * per_segment {
+        let mut raw = raw(30 * number.saturating_sub(per_segment));
+        raw.number = number;
+        change(&mut raw);
+        if watch.sample(raw) {
+            watch.collect();
+        }
+        verdicts.extend(watch.advance(|now| now.report.verdict));
+    }
+    (verdicts, watch.status().alignment)
+}
+
+#[test]
+fn no_verdict_comes_before_the_wiring_is_known_and_none_of_a_wrong_one() {
+    let refused = |error| Verdict::Undetermined(Reason::Implausible(error));
+    let is_refused = |verdict: &Verdict| matches!(verdict, Verdict::Undetermined(Reason::Implausible(_)));
+    let (right, alignment) = verdicts_of_wiring(|_| ());
+    assert_eq!((right[0], alignment), (refused(Implausible::WiringUndecided), Alignment::Aligned));
+    assert!(right.last().is_some_and(|last| !is_refused(last)), "{right:?}");
+    let (exchanged, alignment) = verdicts_of_wiring(|raw| {
+        if let PhaseCounts::Three([_, b, c]) = &mut raw.currents {
+            core::mem::swap(b, c);
+        }
+    });
+    assert_eq!((exchanged.last(), alignment), (Some(&refused(Implausible::Wiring)), Alignment::Misaligned));
+    // Nothing can be checked: no verdict is refused, and the status says so.
+    let (own, alignment) = verdicts_of_wiring(|raw| raw.currents = PhaseCounts::Quadrature(5.0));
+    assert!(!own.iter().any(is_refused), "{own:?}");
+    assert_eq!(alignment, Alignment::Unknown);
+    // A motor that coasts: the check says after eight windows that it cannot tell.
+    let (coasting, alignment) = verdicts_of_wiring(|raw| raw.currents = PhaseCounts::Three([2048; 3]));
+    assert_eq!((coasting[0], alignment), (refused(Implausible::WiringUndecided), Alignment::Unknown));
+    assert!(coasting.last().is_some_and(|last| !is_refused(last)), "{coasting:?}");
+}
+
+/// The interrupt is requested by what `sample` returns alone.
+#[test]
+fn a_queue_that_was_full_is_collected_again() {
+    let watch: &'static Watch<Drive, FrontEnd<1, 10>> = Box::leak(Box::default());
+    watch.start(&MODEL, &CONSTANTS).unwrap();
+    let (mut pending, mut reports) = (false, 0);
+    let readings = 10 * MODEL.constants().sampling.segment_samples;
+    for number in 0..3 * readings + 500 {
+        pending |= watch.sample(raw(number));
+        // 12 ms of a drive of 10 kHz.
+        if pending {
+            pending = false;
+            if !(1001..1121).contains(&number) {
+                watch.collect();
+            }
+        }
+        reports += u32::from(watch.advance(|_| ()).is_some());
+    }
+    // Four in the queue and one before it.
+    let status = watch.status();
+    assert_eq!((reports, status.lost_samples, status.lost_segments), (3, 7, 0));
 }
 
 #[test]

@@ -58,7 +58,7 @@ fn run() {
     for _ in 0..WARM {
         let raw = row(&mut motor, 0);
         front_end.push(&raw);
-        WATCH.sample(raw);
+        _ = WATCH.sample(raw);
         WATCH.collect();
     }
     let (mut rows, mut samples, mut closing, mut discarding) = ([0; 3], [0; 3], 0, 0);

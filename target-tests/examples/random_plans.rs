@@ -174,7 +174,8 @@ where
         let good = motor.sample();
         let raw: RawSample<FURTHER> = damage.spoil(good).unwrap_or(good);
         let Some(clean) = front_end.push(&raw) else { continue };
-        let CleanSample { current_a, velocity_rad_s, angle, further: [load_nm, reference_rad_s], found_late } = clean;
+        let CleanSample { current_a, velocity_rad_s, angle, further: [load_nm, reference_rad_s], found_late, .. } =
+            clean;
         rest.text.number(current_a);
         rest.text.number(velocity_rad_s);
         if found_late {

@@ -44,7 +44,9 @@ fn main() -> ! {
     board::start_interrupts();
     // A drive runs until power-down.
     while board::runs() {
-        WATCH.clock(board::milliseconds());
+        if let Some(lapse) = WATCH.clock(board::milliseconds()) {
+            hprintln!("{}", lapse.message());
+        }
         WATCH.advance(|now| {
             let alarm = if now.alarm.is_some() { ", ALARM" } else { "" };
             hprintln!("{}, {} rows{}", MODEL.verdict_name(now.report.verdict), now.report.rows, alarm);

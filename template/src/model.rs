@@ -223,7 +223,7 @@ pub const FRONT_END: bearing_watch::drive::FrontEndConstants = bearing_watch::dr
         bearing_watch::drive::PhaseSensor { offset_counts: 2048.0, gain_a: 0.025, usable: [16, 4079] },
     ],
     stuck_samples: 0,
-    balance: bearing_watch::drive::BalanceLimits { noise_a: 0.78, gain_tolerance: 0.02, window: 400 },
+    balance: bearing_watch::drive::BalanceLimits { noise_a: 0.78, offset_a: 1.56, gain_tolerance: 0.02, window: 400 },
     tracking: bearing_watch::drive::TrackingConstants {
         bandwidth_hz: 300.0,
         damping: 0.7,

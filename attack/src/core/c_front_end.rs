@@ -90,6 +90,7 @@ fn good() -> BwFrontEndConstants {
         stuck_samples: 100,
         balance_window_samples: 32,
         balance_noise_a: 0.1,
+        balance_offset_a: 1.0,
         balance_gain_tolerance: 0.02,
         tracking_bandwidth_hz: 300.0,
         tracking_damping: 0.7,

@@ -169,8 +169,13 @@ fn any_constants(input: &mut Input<'_>) -> FrontEndConstants {
     let sensor = PhaseSensor { offset_counts: either(offset_counts), gain_a: either(gain_a), usable };
     constants.sensors = [sensor; 3];
     constants.control_rate_hz = either(constants.control_rate_hz);
-    let BalanceLimits { noise_a, gain_tolerance, window } = constants.balance;
-    constants.balance = BalanceLimits { noise_a: either(noise_a), gain_tolerance: either(gain_tolerance), window };
+    let BalanceLimits { noise_a, offset_a, gain_tolerance, window } = constants.balance;
+    constants.balance = BalanceLimits {
+        noise_a: either(noise_a),
+        offset_a: either(offset_a),
+        gain_tolerance: either(gain_tolerance),
+        window,
+    };
     let TrackingConstants { bandwidth_hz, damping, error_limit_rad, resolver, .. } = constants.tracking;
     let ResolverLimits { low, high, mismatch } = resolver;
     constants.tracking = TrackingConstants {

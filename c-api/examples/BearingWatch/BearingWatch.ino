@@ -41,7 +41,10 @@ void setup() {
 void loop() {
   BwReport report;
   BwAlarm alarm;
-  bw_drive_clock(&drive, millis());
+  BwCode code = bw_drive_clock(&drive, millis());
+  if (code < 0) {  // once, until the drive is watched again
+    Serial.println(bw_error_text(code));
+  }
   if (bw_drive_advance(&drive, &report, &alarm) == BW_CODE_REPORT) {  // once in ten seconds
     Serial.print("verdict: ");
     Serial.println(bw_drive_verdict(&report));

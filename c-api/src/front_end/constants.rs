@@ -1,8 +1,10 @@
 //! The constants of a front end.
 
+use core::sync::atomic::Ordering;
+
 use bearing_watch::Angle;
 use bearing_watch::drive::{
-    BalanceLimits, FrontEndConstants, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
+    Alignment, BalanceLimits, FrontEndConstants, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
 };
 
 use crate::about::park;
@@ -40,8 +42,10 @@ pub struct BwFrontEndConstants {
     pub stuck_samples: u16,
     /// Samples in a window of the sum of three currents, at least 16: sixteen are an electrical turn.
     pub balance_window_samples: u16,
-    /// Expected rms of the sum of the three currents, with noise and errors of the offsets, A.
+    /// Noise of the sum of the three currents, its standard deviation, A.
     pub balance_noise_a: f32,
+    /// Largest offset of a sensor, and of the sum of the three, that is removed, A.
+    pub balance_offset_a: f32,
     /// Tolerated relative error of a gain.
     pub balance_gain_tolerance: f32,
     /// Bandwidth of the loop that follows the shaft angle, Hz: 1/2000 … 1/10 of the control rate.
@@ -80,6 +84,7 @@ impl BwFrontEndConstants {
             stuck_samples: self.stuck_samples,
             balance: BalanceLimits {
                 noise_a: self.balance_noise_a,
+                offset_a: self.balance_offset_a,
                 gain_tolerance: self.balance_gain_tolerance,
                 window: self.balance_window_samples,
             },
@@ -116,7 +121,8 @@ impl BwFrontEndConstants {
 }
 
 /// Checks that a front end gives samples like those on which the model was trained: the interval, to 1 %, and the sign
-/// convention of the quadrature current.
+/// convention of the quadrature current. From here on no segment has a verdict before `bw_tell_alignment` has said what
+/// the front end knows of the wiring (`BW_REASON_IMPLAUSIBLE`).
 ///
 /// Returns `BW_CODE_OK`, also if the model does not say, `BW_CODE_MODEL_INTERVAL`, `BW_CODE_MODEL_PARK`, or what is wrong
 /// with the constants.
@@ -131,6 +137,24 @@ pub unsafe extern "C" fn bw_check_front_end(state: *const BwState, constants: *c
         let core = own.core()?;
         state.model.check_interval(f32::from(own.factor) / core.control_rate_hz)?;
         state.model.check_rotor_frame(&core.frame)?;
+        state.alignment.store(Alignment::Undecided as u8, Ordering::Relaxed);
+        Ok(BwCode::Ok)
+    }))
+}
+
+/// Says whether the currents turn with the rotor, `BW_ALIGNMENT_…`, as each `BwCleanSample` has it: while that is not
+/// decided, and where they do not, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`). In any context.
+///
+/// Returns `BW_CODE_OK`, or `BW_CODE_OUT_OF_RANGE`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_tell_alignment(state: *const BwState, alignment: u8) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { at(state) }.and_then(|state| {
+        let known = Alignment::ALL.get(usize::from(alignment)).ok_or(BwCode::OutOfRange)?;
+        state.alignment.store(*known as u8, Ordering::Relaxed);
         Ok(BwCode::Ok)
     }))
 }

@@ -1,6 +1,6 @@
 //! What a front end has refused.
 
-use bearing_watch::drive::{Faults, Imbalance, Lock, Phase};
+use bearing_watch::drive::{Alignment, Faults, Imbalance, Lock, Phase};
 
 use super::BwFrontEnd;
 use crate::code::{BwCode, code};
@@ -29,6 +29,32 @@ pub enum BwImbalance {
     Clipped = 7,
     /// A phase has no current in one direction, which the other two have: a half bridge or a sensor is broken.
     HalfWave = 8,
+}
+
+/// Whether the currents turn with the rotor.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BwAlignment {
+    /// No window has told yet: the shaft has not turned with a current. No segment has a verdict.
+    Undecided = 0,
+    /// They do.
+    Aligned = 1,
+    /// They do not: no segment has a verdict.
+    Misaligned = 2,
+    /// They are not checked: currents or motion are too small, the drive gives a quadrature current of its own, or it has
+    /// no front end. Segments have verdicts.
+    Unknown = 3,
+}
+
+impl From<Alignment> for BwAlignment {
+    fn from(alignment: Alignment) -> Self {
+        match alignment {
+            Alignment::Undecided => Self::Undecided,
+            Alignment::Aligned => Self::Aligned,
+            Alignment::Misaligned => Self::Misaligned,
+            Alignment::Unknown => Self::Unknown,
+        }
+    }
 }
 
 /// How far the loop has found the angle of the shaft.
@@ -90,8 +116,8 @@ pub struct BwFrontEndFaults {
     pub lock: BwLock,
     /// Number of gaps in the numbers of the samples.
     pub gaps: u32,
-    /// Whether the currents were seen to turn with the rotor since the start.
-    pub aligned: bool,
+    /// Whether the currents turn with the rotor.
+    pub alignment: BwAlignment,
 }
 
 impl From<Faults> for BwFrontEndFaults {
@@ -134,7 +160,7 @@ impl From<Faults> for BwFrontEndFaults {
                 Lock::Locked => BwLock::Locked,
             },
             gaps: faults.gaps,
-            aligned: faults.aligned,
+            alignment: faults.alignment.into(),
         }
     }
 }

@@ -67,6 +67,7 @@ pub extern "C" fn bw_front_end_size() -> usize {
 /// # Safety
 /// `memory` is NULL or has `size` writable bytes, which nothing else writes until the front end is used no more.
 /// `constants` is NULL or readable. `front_end` is NULL or writable. No other function works on the front end.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_front_end_init(
     memory: *mut c_void,
@@ -166,6 +167,7 @@ mod tests {
         stuck_samples: 0,
         balance_window_samples: 400,
         balance_noise_a: 0.5,
+        balance_offset_a: 1.0,
         balance_gain_tolerance: 0.02,
         tracking_bandwidth_hz: 300.0,
         tracking_damping: 0.7,

@@ -65,6 +65,8 @@ pub struct BwCleanSample {
     /// converter, currents that do not fit each other, unequal gains of a resolver): samples before were wrong. Call
     /// `bw_discard`.
     pub found_late: u8,
+    /// Whether the currents turn with the rotor, `BW_ALIGNMENT_…`. Pass it to `bw_tell_alignment`.
+    pub alignment: u8,
 }
 
 impl BwRawSample {
@@ -134,7 +136,8 @@ impl BwCleanSample {
         let mut further = [0.0; BW_MAX_FURTHER];
         let values = clean.further.into_iter().take(used.into());
         further.iter_mut().zip(values).for_each(|(cell, value)| *cell = value);
-        let CleanSample { current_a, velocity_rad_s, angle, found_late, .. } = clean;
-        Self { current_a, velocity_rad_s, angle: angle.bits(), further, found_late: found_late.into() }
+        let CleanSample { current_a, velocity_rad_s, angle, found_late, alignment, .. } = clean;
+        let (found_late, alignment) = (found_late.into(), alignment as u8);
+        Self { current_a, velocity_rad_s, angle: angle.bits(), further, found_late, alignment }
     }
 }

@@ -26,10 +26,10 @@ static void watch(void) {
     now.phases[0] = (uint16_t)counts;
     now.position = position;
     now.load_torque_nm = results[4];
-    bw_drive_start(&drive, &bw_front_end);
+    if (bw_drive_start(&drive, &bw_front_end) < 0) { return; }
     bw_drive_sample(&drive, &now);
     bw_drive_collect(&drive);
-    bw_drive_clock(&drive, milliseconds);
+    if (bw_drive_clock(&drive, milliseconds) < 0) { return; }
     bw_drive_advance(&drive, &report, &alarm);
     results[2] = (float)report.verdict + (float)alarm.raised;
 }

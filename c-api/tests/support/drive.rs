@@ -16,7 +16,7 @@ pub const CONSTANTS: FrontEndConstants = FrontEndConstants {
     control_rate_hz: RATE_HZ,
     sensors: [SENSOR, PhaseSensor { offset_counts: 32_760.5, ..SENSOR }, SENSOR],
     stuck_samples: 200,
-    balance: BalanceLimits { noise_a: 0.02, gain_tolerance: 0.02, window: 160 },
+    balance: BalanceLimits { noise_a: 0.02, offset_a: 0.04, gain_tolerance: 0.02, window: 160 },
     tracking: TrackingConstants {
         bandwidth_hz: 300.0,
         damping: 0.707,
@@ -44,6 +44,7 @@ pub fn for_c(own: &FrontEndConstants, factor: u16, further: u16) -> BwFrontEndCo
         stuck_samples: own.stuck_samples,
         balance_window_samples: own.balance.window,
         balance_noise_a: own.balance.noise_a,
+        balance_offset_a: own.balance.offset_a,
         balance_gain_tolerance: own.balance.gain_tolerance,
         tracking_bandwidth_hz: own.tracking.bandwidth_hz,
         tracking_damping: own.tracking.damping,

@@ -167,6 +167,7 @@ static const BwFrontEndConstants bw_front_end = {
     0, /* stuck_samples */
     400, /* balance_window_samples */
     0.78f, /* balance_noise_a */
+    1.56f, /* balance_offset_a */
     0.02f, /* balance_gain_tolerance */
     300.0f, /* tracking_bandwidth_hz */
     0.7f, /* tracking_damping */
@@ -217,7 +218,7 @@ typedef struct BwDrive {
     volatile uint32_t samples; /* that the detector was given */
 } BwDrive;
 /* At boot, before the interrupts run; with &bw_front_end, or a copy that is calibrated for this drive. */
-static inline BwCode bw_drive_start(BwDrive *drive, const BwFrontEndConstants *constants) {
+BW_MUST_CHECK static inline BwCode bw_drive_start(BwDrive *drive, const BwFrontEndConstants *constants) {
     BwCode code;
     if (bw_known_answer_test() != 0u) { return BW_CODE_ARITHMETIC; }
 #ifdef BW_LIBRARY_HAS_MODEL
@@ -232,7 +233,8 @@ static inline BwCode bw_drive_start(BwDrive *drive, const BwFrontEndConstants *c
     }
     return code < 0 ? code : bw_check_front_end(drive->detector, constants);
 }
-/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect. */
+/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect, also for a
+ * sample that found the queue full and is lost: BwReport::lost_samples counts it. */
 static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
     BwRawSample raw;
     BwCleanSample clean;
@@ -252,16 +254,17 @@ static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
     code = bw_front_end_push(drive->front_end, &raw, further, BW_FRONT_END_FURTHER, &clean);
     if (code != BW_CODE_CLEAN_SAMPLE) { return code; }
     bw_front_end_values(&clean, values);
+    bw_tell_alignment(drive->detector, clean.alignment);
     put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, clean.angle, clean.found_late != 0);
     drive->samples = drive->samples + 1u;
-    return put < 0 ? put : code;
+    return put < 0 && put != BW_CODE_SAMPLE_LOST ? put : code;
 }
 /* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
-/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by
- * a clock that the timer of the samples does not make. */
-static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
-    return bw_check_rate(drive->detector, drive->samples, milliseconds);
+/* In the main loop, as often as you like, by a clock that the timer of the samples does not make: below 0 why the drive is
+ * not watched, once until it is again. bw_error_text has the words. */
+BW_MUST_CHECK static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
+    return bw_clock(drive->detector, drive->samples, milliseconds);
 }
 /* In the main loop, one bounded step: BW_CODE_REPORT if report and alarm were written. */
 static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm *alarm) {

@@ -108,7 +108,7 @@ typedef struct BwDrive {
     volatile uint32_t samples; /* that the detector was given */
 } BwDrive;
 /* At boot, before the interrupts run. */
-static inline BwCode bw_drive_start(BwDrive *drive) {
+BW_MUST_CHECK static inline BwCode bw_drive_start(BwDrive *drive) {
     BwCode code;
     if (bw_known_answer_test() != 0u) { return BW_CODE_ARITHMETIC; }
 #ifdef BW_LIBRARY_HAS_MODEL
@@ -119,18 +119,21 @@ static inline BwCode bw_drive_start(BwDrive *drive) {
 #endif
     return code;
 }
-/* In the sampling interrupt, at the rate of the model; then request the interrupt of bw_drive_collect. */
+/* In the sampling interrupt, at the rate of the model; BW_CODE_OK: request the interrupt of bw_drive_collect, also for
+ * a sample that found the queue full and is lost: BwReport::lost_samples counts it. */
 static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {
+    BwCode put;
     const float values[BW_MODEL_CHANNELS] = { reading->current_a, reading->velocity_ref_rad_s, reading->load_torque_nm };
     drive->samples = drive->samples + 1u;
-    return bw_put(drive->detector, values, BW_MODEL_CHANNELS, 0u, false);
+    put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, 0u, false);
+    return put == BW_CODE_SAMPLE_LOST ? BW_CODE_OK : put;
 }
 /* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
-/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by
- * a clock that the timer of the samples does not make. */
-static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
-    return bw_check_rate(drive->detector, drive->samples, milliseconds);
+/* In the main loop, as often as you like, by a clock that the timer of the samples does not make: below 0 why the drive is
+ * not watched, once until it is again. bw_error_text has the words. */
+BW_MUST_CHECK static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
+    return bw_clock(drive->detector, drive->samples, milliseconds);
 }
 /* In the main loop, one bounded step: BW_CODE_REPORT if report and alarm were written. */
 static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm *alarm) {

@@ -102,7 +102,9 @@ fn main() -> ! {
             None => {}
         }
         let milliseconds = u64::from(STEPS.load(Ordering::Relaxed)) * 1000 / RATE_HZ as u64;
-        WATCH.clock(milliseconds as u32);
+        if let Some(lapse) = WATCH.clock(milliseconds as u32) {
+            hprintln!("{}", lapse.message());
+        }
         WATCH.advance(|now| {
             segments += 1;
             alarmed = now.alarm.is_some();

@@ -160,7 +160,7 @@ pub fn trace(seed: u64, amplitude_m: f64) -> EmaTrace {
 pub fn constants(trace: &EmaTrace) -> FrontEndConstants {
     let mut own = FrontEndConstants { stuck_samples: 200, ..FRONT_END };
     // Three sensors with a noise of 0.25 A.
-    own.balance = BalanceLimits { noise_a: 0.45, gain_tolerance: 0.02, window: 128 };
+    own.balance = BalanceLimits { noise_a: 0.45, offset_a: 0.9, gain_tolerance: 0.02, window: 128 };
     let phases = [&trace.phase_a_a, &trace.phase_b_a, &trace.phase_c_a];
     for (sensor, phase) in own.sensors.iter_mut().zip(phases) {
         sensor.offset_counts = f32::from(ZERO) + phase.iter().sum::<f64>() as f32 / phase.len() as f32 / 0.025;

@@ -56,7 +56,7 @@ fn the_rows_of_the_drive_are_those_of_its_recording_from_any_instant_on() {
         let (mut detector, mut alone) = (bearing_watch::Detector::new(&MODEL), Monitor::new(&MODEL));
         let (mut expected, mut reports) = (Vec::new(), Vec::new());
         for (k, reading) in recorded[start..].iter().enumerate() {
-            watch.sample(*reading);
+            let _collected_below = watch.sample(*reading);
             if k % 29 == 0 {
                 watch.collect();
             }

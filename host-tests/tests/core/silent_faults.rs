@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use bearing_watch::drive::{
-    BalanceLimits, By, Factor, Faults, FrontEnd, FrontEndConstants, Imbalance, PhaseCounts, PhaseSensor, Position,
-    RawSample, TrackingConstants,
+    Alignment, BalanceLimits, By, Factor, Faults, FrontEnd, FrontEndConstants, Imbalance, PhaseCounts, PhaseSensor,
+    Position, RawSample, TrackingConstants,
 };
 use bearing_watch::model::{Balance, Feature, Lags};
 use bearing_watch::plan::{Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
@@ -70,7 +70,7 @@ fn front_end(control_rate_hz: f32, bandwidth_hz: f32, noise_a: f32) -> FrontEndC
     FrontEndConstants {
         control_rate_hz,
         sensors: [SENSOR; 3],
-        balance: BalanceLimits { noise_a, gain_tolerance: 0.02, window: 128 },
+        balance: BalanceLimits { noise_a, offset_a: 2.0 * noise_a, gain_tolerance: 0.02, window: 128 },
         tracking: TrackingConstants { bandwidth_hz, ..actuator::FRONT_END.tracking },
         ..actuator::FRONT_END
     }
@@ -256,7 +256,10 @@ fn without_a_fault_there_is_a_verdict_and_no_flag() {
     for drive in drives() {
         drive.all(&|_, _, _| (), |name, verdict, faults| {
             assert_eq!(verdict, Verdict::Class(0), "{name}");
-            assert!(faults.is_clear() && faults.aligned && faults.offsets_a == [0.0; 3], "{name}: {faults:?}");
+            assert!(
+                faults.is_clear() && faults.alignment == Alignment::Aligned && faults.offsets_a == [0.0; 3],
+                "{name}: {faults:?}"
+            );
         });
     }
 }
@@ -272,7 +275,7 @@ fn exchanged_phases_and_a_reversed_angle_have_no_verdict() {
             drive.all(inject, |name, verdict, faults| {
                 assert_eq!(faults.imbalance, Some(Imbalance::Misaligned), "{fault}, {name}");
                 assert!(matches!(verdict, Verdict::Undetermined(_)), "{fault}, {name}: {verdict:?}");
-                assert!(!faults.aligned && !faults.is_clear(), "{fault}, {name}");
+                assert!(faults.alignment == Alignment::Misaligned && !faults.is_clear(), "{fault}, {name}");
             });
         }
     }

@@ -37,7 +37,7 @@ impl Drive {
         let constants = FrontEndConstants {
             control_rate_hz: RATE_HZ,
             sensors: [SENSOR; 3],
-            balance: BalanceLimits { noise_a: 1.0, gain_tolerance: 0.05, window: 320 },
+            balance: BalanceLimits { noise_a: 1.0, offset_a: 2.0, gain_tolerance: 0.05, window: 320 },
             ..FRONT_END
         };
         Self { constants, phases: [0, 1, 2], angle_reversed: false, velocity: 1.0, late: 0 }

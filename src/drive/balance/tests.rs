@@ -2,7 +2,7 @@
 
 use super::*;
 
-const LIMITS: BalanceLimits = BalanceLimits { noise_a: 0.1, gain_tolerance: 0.02, window: 320 };
+const LIMITS: BalanceLimits = BalanceLimits { noise_a: 0.1, offset_a: 0.2, gain_tolerance: 0.02, window: 320 };
 
 /// One finding after `turns` electrical turns of currents of `amplitude_a`, with normal noise of 0.05 A a sensor.
 fn finding(
@@ -199,8 +199,38 @@ fn a_vector_that_does_not_turn_with_the_rotor_is_misaligned() {
     assert_eq!(seen(|angle| angle * 5.0 / 6.0, [0, 1, 2], 10.0), misaligned, "five of six pole pairs");
     let still = seen(|_| 0.5, [0, 1, 2], 10.0);
     assert!(matches!(still, Some(Imbalance::Offset { .. })), "a current that stands still: {still:?}");
-    // 4 σ² are 0.04 A².
-    assert_eq!([0.22, 0.18].map(|a| seen(|angle| angle, [0, 2, 1], a)), [misaligned, None]);
+    // σ² is 0.01 A², of which the noise of the three sensors is a third; without a current only that is left.
+    assert_eq!([0.12, 0.05, 0.0].map(|a| seen(|angle| angle, [0, 2, 1], a)), [misaligned, None, None]);
+}
+
+/// Windows of a drive of 320 samples each: the current, whether phases are exchanged, and a noise in the place of 0.05 A.
+fn alignment(amplitude: f64, exchanged: bool, noise_a: f64, offset: f64, windows: u32) -> Alignment {
+    let mut balance = CurrentBalance::new(LIMITS);
+    let mut state = 1_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        noise_a * 12_f64.sqrt() * (f64::from(state >> 8) / f64::from(1_u32 << 24) - 0.5)
+    };
+    for k in 0..=320 * windows {
+        let turn = f64::from(k) / 15.9;
+        let angle = core::f64::consts::TAU * turn;
+        let [a, b, c] = three(amplitude, if exchanged { -angle } else { angle }).map(|i| (i + noise()) as f32);
+        let electrical = Angle::from_bits((turn.fract() * 4_294_967_296.0) as u32);
+        let _ = balance.push(Abc { a: a + offset as f32, b, c }, electrical, electrical.sin_cos());
+    }
+    balance.alignment()
+}
+
+#[test]
+fn noise_and_offsets_do_not_tell_an_alignment() {
+    // As large as the noise of a vector of three sensors, and far below what the limits say of the noise.
+    assert_eq!(alignment(0.06, false, 0.05, 0.0, 1), Alignment::Aligned);
+    assert_eq!(alignment(0.12, true, 0.05, 0.0, 1), Alignment::Misaligned);
+    // Sensors of a motor that coasts: noise of any size, and an offset within its limit.
+    for (noise_a, offset) in [(0.05, 0.0), (0.03, 0.0), (0.001, 0.19), (0.05, 0.1)] {
+        assert_eq!(alignment(0.0, false, noise_a, offset, 7), Alignment::Undecided, "{noise_a} {offset}");
+        assert_eq!(alignment(0.0, false, noise_a, offset, 8), Alignment::Unknown, "{noise_a} {offset}");
+    }
 }
 
 #[test]
@@ -213,7 +243,7 @@ fn a_misalignment_ends_with_the_fourth_window_that_is_aligned() {
             let electrical = Angle::from_bits((k + 1).wrapping_mul(1 << 28));
             let _ = balance.push(Abc { a, b, c }, electrical, electrical.sin_cos());
         }
-        (balance.imbalance(), balance.is_aligned())
+        (balance.imbalance(), balance.alignment() == Alignment::Aligned)
     };
     let (wrong, right) = ((Some(Imbalance::Misaligned), false), (None, true));
     let windows = [false, true, false, false, false, false, false].map(&mut window);

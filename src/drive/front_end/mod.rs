@@ -39,8 +39,8 @@ pub use constants::{FrontEndConstants, FrontEndError};
 
 use super::decimate::Decimate;
 use crate::drive::{
-    By, CurrentBalance, CurrentSensors, Factor, Imbalance, Lock, PhaseCounts, PhaseFaults, Position, PositionFaults,
-    PositionTracker, RotorFrame, Tracked, WiringCheck,
+    Alignment, By, CurrentBalance, CurrentSensors, Factor, Imbalance, Lock, PhaseCounts, PhaseFaults, Position,
+    PositionFaults, PositionTracker, RotorFrame, Tracked, WiringCheck,
 };
 use crate::signal::{Angle, RAD};
 use delay::{CELLS, Centres};
@@ -78,6 +78,9 @@ pub struct CleanSample<const FURTHER: usize> {
     /// the resolver were found to differ, after the clean sample before this one. The fault began up to two windows or half a turn
     /// earlier, so that earlier samples were wrong: call [`Detector::discard`](crate::Detector::discard).
     pub found_late: bool,
+    /// Whether the currents turn with the rotor: pass it to
+    /// [`Monitor::tell_alignment`](crate::Monitor::tell_alignment), which gives no verdict before that is known.
+    pub alignment: Alignment,
 }
 
 /// What was refused since the start or [`FrontEnd::clear_faults`], and what is wrong now.
@@ -101,9 +104,8 @@ pub struct Faults {
     pub lock: Lock,
     /// Number of gaps in the numbers of the samples.
     pub gaps: u32,
-    /// Whether the currents were seen to turn with the rotor ([`CurrentBalance::is_aligned`]); not a refusal. Without a
-    /// load sensor a verdict means nothing before.
-    pub aligned: bool,
+    /// Whether the currents turn with the rotor ([`CurrentBalance::alignment`]).
+    pub alignment: Alignment,
 }
 
 impl Faults {
@@ -154,7 +156,7 @@ impl<const FURTHER: usize> Held<FURTHER> {
 ///     control_rate_hz: 4000.0,
 ///     sensors: [SENSOR; 3],
 ///     stuck_samples: 0,
-///     balance: BalanceLimits { noise_a: 0.05, gain_tolerance: 0.02, window: 320 },
+///     balance: BalanceLimits { noise_a: 0.05, offset_a: 0.1, gain_tolerance: 0.02, window: 320 },
 ///     tracking: TrackingConstants {
 ///         bandwidth_hz: 200.0,
 ///         damping: 0.7,
@@ -309,6 +311,7 @@ where
     // Out of line, so that drives with counts have no code for it in their interrupt.
     #[inline(never)]
     fn push_quadrature(&mut self, current_a: f32, raw: &RawSample<FURTHER>) -> Option<CleanSample<FURTHER>> {
+        self.balance.is_not_checked();
         let current_a = if current_a.is_finite() { current_a } else { f32::NAN };
         let now = Held { current_a, further: raw.further, ..Held::MISSING };
         let tracked = self.tracker.push(&raw.position);
@@ -376,7 +379,8 @@ where
             }
             self.held_back = 0;
         }
-        Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late: self.found_late() })
+        let (found_late, alignment) = (self.found_late(), self.balance.alignment());
+        Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late, alignment })
     }
 
     /// Whether a fault that shows only after a window of samples is there now, and was not at the last output.
@@ -412,7 +416,7 @@ where
             position: self.tracker.faults(),
             lock: self.tracker.lock(),
             gaps: self.gaps,
-            aligned: self.balance.is_aligned(),
+            alignment: self.balance.alignment(),
         }
     }
 

@@ -62,7 +62,7 @@ fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
     opaque(PositionTracker::mismatched(&tracker));
     PositionTracker::clear_faults(opaque(&mut tracker));
     opaque((CurrentBalance::imbalance(&balance), CurrentBalance::unbalanced_windows(&balance)));
-    opaque(CurrentBalance::is_aligned(&balance));
+    opaque(CurrentBalance::alignment(&balance));
     CurrentBalance::clear_faults(opaque(&mut balance));
     opaque((CurrentSensors::faults(&sensors), CurrentSensors::any_stuck(&sensors)));
     CurrentSensors::clear_faults(opaque(&mut sensors));

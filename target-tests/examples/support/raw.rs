@@ -15,7 +15,7 @@ pub const CONSTANTS: FrontEndConstants = FrontEndConstants {
     control_rate_hz: 10_000.0,
     sensors: [SENSOR; 3],
     stuck_samples: 100,
-    balance: BalanceLimits { noise_a: 0.1, gain_tolerance: 0.02, window: 320 },
+    balance: BalanceLimits { noise_a: 0.1, offset_a: 0.2, gain_tolerance: 0.02, window: 320 },
     tracking: TrackingConstants {
         bandwidth_hz: 300.0,
         damping: 0.7,

@@ -99,7 +99,7 @@ fn start(out: &mut String, front_end: bool) {
         *out += "/* At boot, before the interrupts run. */\n";
     }
     *out += &format!(
-        "static inline BwCode bw_drive_start(BwDrive *drive{constants}) {{\n\
+        "BW_MUST_CHECK static inline BwCode bw_drive_start(BwDrive *drive{constants}) {{\n\
          \x20   BwCode code;\n\
          \x20   if (bw_known_answer_test() != 0u) {{ return BW_CODE_ARITHMETIC; }}\n\
          #ifdef BW_LIBRARY_HAS_MODEL\n\
@@ -122,7 +122,8 @@ fn start(out: &mut String, front_end: bool) {
 
 /// The call of the current loop, with a front end.
 fn raw_sample(out: &mut String, file: &FrontEndFile, names: &[String]) {
-    *out += "/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect. */\n\
+    *out += "/* In the interrupt of the current loop. BW_CODE_CLEAN_SAMPLE: request the interrupt of bw_drive_collect, also for a\n \
+        * sample that found the queue full and is lost: BwReport::lost_samples counts it. */\n\
         static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {\n\
         \x20   BwRawSample raw;\n    BwCleanSample clean;\n    float values[BW_MODEL_CHANNELS];\n";
     let phases = file.currents.columns.len();
@@ -156,9 +157,10 @@ fn raw_sample(out: &mut String, file: &FrontEndFile, names: &[String]) {
     *out += "    code = bw_front_end_push(drive->front_end, &raw, further, BW_FRONT_END_FURTHER, &clean);\n\
         \x20   if (code != BW_CODE_CLEAN_SAMPLE) { return code; }\n\
         \x20   bw_front_end_values(&clean, values);\n\
+        \x20   bw_tell_alignment(drive->detector, clean.alignment);\n\
         \x20   put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, clean.angle, clean.found_late != 0);\n\
         \x20   drive->samples = drive->samples + 1u;\n\
-        \x20   return put < 0 ? put : code;\n}\n";
+        \x20   return put < 0 && put != BW_CODE_SAMPLE_LOST ? put : code;\n}\n";
 }
 
 fn negated(angle: String, reversed: bool) -> String {
@@ -169,19 +171,21 @@ fn negated(angle: String, reversed: bool) -> String {
 fn sample(out: &mut String, names: &[String], needs_angle: bool) {
     let list: Vec<String> = names.iter().map(|name| format!("reading->{name}")).collect();
     let angle = if needs_angle { "reading->angle" } else { "0u" };
-    *out += "/* In the sampling interrupt, at the rate of the model; then request the interrupt of bw_drive_collect. */\n\
-        static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {\n";
+    *out += "/* In the sampling interrupt, at the rate of the model; BW_CODE_OK: request the interrupt of bw_drive_collect, also for\n \
+        * a sample that found the queue full and is lost: BwReport::lost_samples counts it. */\n\
+        static inline BwCode bw_drive_sample(BwDrive *drive, const BwReading *reading) {\n    BwCode put;\n";
     line(out, &format!("    const float values[BW_MODEL_CHANNELS] = {{ {} }};", list.join(", ")));
     line(out, "    drive->samples = drive->samples + 1u;");
-    line(out, &format!("    return bw_put(drive->detector, values, BW_MODEL_CHANNELS, {angle}, false);\n}}"));
+    line(out, &format!("    put = bw_put(drive->detector, values, BW_MODEL_CHANNELS, {angle}, false);"));
+    line(out, "    return put == BW_CODE_SAMPLE_LOST ? BW_CODE_OK : put;\n}");
 }
 
 const BELOW: &str = "/* In an interrupt below the current loop, or behind bw_drive_sample: the detector. */
 static inline BwCode bw_drive_collect(BwDrive *drive) { return bw_collect_waiting(drive->detector); }
-/* In the main loop, as often as you like: refuses verdicts while samples come at another rate than that of training, by
- * a clock that the timer of the samples does not make. */
-static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
-    return bw_check_rate(drive->detector, drive->samples, milliseconds);
+/* In the main loop, as often as you like, by a clock that the timer of the samples does not make: below 0 why the drive is
+ * not watched, once until it is again. bw_error_text has the words. */
+BW_MUST_CHECK static inline BwCode bw_drive_clock(BwDrive *drive, uint32_t milliseconds) {
+    return bw_clock(drive->detector, drive->samples, milliseconds);
 }
 /* In the main loop, one bounded step: BW_CODE_REPORT if report and alarm were written. */
 static inline BwCode bw_drive_advance(BwDrive *drive, BwReport *report, BwAlarm *alarm) {
@@ -279,9 +283,9 @@ park = \"standard\"
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("use.c");
         let text = "#include \"model.h\"\nstatic BwDrive drive;\nint run(void) {\n    static BwReading now;\n    \
-                    BwReport report;\n    BwAlarm alarm;\n    bw_drive_start(&drive, &bw_front_end);\n    \
-                    bw_drive_sample(&drive, &now);\n    bw_drive_collect(&drive);\n    bw_drive_clock(&drive, 5u);\n    \
-                    return bw_drive_advance(&drive, &report, &alarm);\n}\nint stop(uint8_t *bytes, size_t size) {\n    \
+                    BwReport report;\n    BwAlarm alarm;\n    if (bw_drive_start(&drive, &bw_front_end) < 0) { return 1; }\n    \
+                    bw_drive_sample(&drive, &now);\n    bw_drive_collect(&drive);\n    \
+                    if (bw_drive_clock(&drive, 5u) < 0) { return 1; }\n    return bw_drive_advance(&drive, &report, &alarm);\n}\nint stop(uint8_t *bytes, size_t size) {\n    \
                     size_t length;\n    BwReport report;\n    bw_report(drive.detector, &report);\n    \
                     return bw_drive_verdict(&report) ? bw_drive_end_run(&drive, bytes, size, &length) : 0;\n}\n";
         std::fs::write(&file, text).expect("writable");

@@ -110,6 +110,7 @@ fn constants(own: &FrontEndConstants, factor: usize, further: usize) -> Vec<(Str
         (stuck_samples.to_string(), "stuck_samples"),
         (balance.window.to_string(), "balance_window_samples"),
         (number(balance.noise_a), "balance_noise_a"),
+        (number(balance.offset_a), "balance_offset_a"),
         (number(balance.gain_tolerance), "balance_gain_tolerance"),
         (number(tracking.bandwidth_hz), "tracking_bandwidth_hz"),
         (number(tracking.damping), "tracking_damping"),

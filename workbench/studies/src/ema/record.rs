@@ -85,7 +85,7 @@ pub fn front_end(scenario: &EmaScenario) -> FrontEndConstants {
         sensors: [sensor; 3],
         stuck_samples: 0,
         // The sum of three currents has √3 times the noise of one, and three offsets of at most 0.1 A.
-        balance: BalanceLimits { noise_a: 0.8, gain_tolerance: 0.02, window: 400 },
+        balance: BalanceLimits { noise_a: 0.8, offset_a: 1.6, gain_tolerance: 0.02, window: 400 },
         tracking: TrackingConstants {
             bandwidth_hz: 300.0,
             damping: 0.7,

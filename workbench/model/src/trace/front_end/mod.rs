@@ -15,7 +15,8 @@
 //! stuck_samples = 0
 //!
 //! [balance]
-//! noise_counts = 25.0                                  # of the sum of the currents; or noise_a
+//! noise_counts = 5.0                                   # of the sum of the currents; or noise_a
+//! offset_counts = 25.0                                 # the largest that is removed; or offset_a; or twice the noise
 //! gain_tolerance = 0.02
 //! window = 400
 //!

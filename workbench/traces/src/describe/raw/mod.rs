@@ -1,13 +1,14 @@
 //! The front end of a recording at the control rate, as the text of its file: what the counts themselves tell.
 //!
 //! ```text
-//! columns ─► signals: phases, position ─► phases: offsets, converter, noise ─┐
-//!                                      └► position: counts a turn ───────────┼─► motor: pole pairs, offset ─► text
+//! columns ─► signals: phases, position ─► phases: offsets, converter ────────┐
+//!                                      └► position: counts a turn ───────────┴─► motor: pole pairs, offset ─► noise
 //! ```
 //!
 //! What no recording tells, such as the amperes of a count, is written with the word *set* behind it, and said.
 
 mod motor;
+mod noise;
 mod phases;
 mod position;
 mod signals;
@@ -84,7 +85,8 @@ pub(super) fn front_end(
     line(&format!("control_rate_hz = {rate_hz:.3}"));
     line(&format!("factor = {factor}  # to {:.0} Hz", rate_hz / factor as f64));
     line("\n[currents]");
-    phases.lines(&quoted(&phase_places), first).iter().for_each(|own| line(own));
+    let noise = noise::of_sum(&phases.amperes, &motor.electrical(&position.angles_rad));
+    phases.lines(&quoted(&phase_places), first, noise).iter().for_each(|own| line(own));
     line("\n[position]");
     position.lines(&quoted(&position_places), motor.reversed).iter().for_each(|own| line(own));
     line("\n[tracking]");

@@ -155,6 +155,12 @@ impl Motor {
         (0..amperes.len()).map(|k| common + phase(k as f64)).collect()
     }
 
+    /// The electrical angles at these angles of the shaft.
+    pub(super) fn electrical(&self, angles_rad: &[f64]) -> Vec<f64> {
+        let sign = if self.reversed { -1.0 } else { 1.0 };
+        angles_rad.iter().map(|angle| f64::from(self.pole_pairs) * sign * angle + self.offset_rad).collect()
+    }
+
     /// The section of the file.
     pub(super) fn lines(&self, first: usize) -> Vec<String> {
         // The file has it from phase a on.

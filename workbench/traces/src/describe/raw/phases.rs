@@ -1,4 +1,4 @@
-//! Offsets, steps and noise of the current sensors, found in the columns of the currents.
+//! Offsets and steps of the current sensors, found in the columns of the currents.
 
 use std::collections::BTreeSet;
 
@@ -10,6 +10,9 @@ const REPETITIONS: usize = 20;
 const LEAST_STUCK: usize = 200;
 /// Time of a window of the balance of the currents, s.
 const WINDOW_S: f64 = 0.04;
+/// Largest offset that is removed, in deviations of the noise and as a part of the largest current.
+const OFFSET_NOISES: f64 = 6.0;
+const OFFSET_PART: f64 = 0.01;
 /// Bits of a converter that currents in amperes are rounded by, if the recording has no steps.
 const BITS: u32 = 16;
 
@@ -41,7 +44,8 @@ pub(super) struct Phases {
     offsets: Vec<f64>,
     gain_a: f64,
     bits: u32,
-    noise: f64,
+    /// Largest current of the recordings, A, or counts.
+    largest: f64,
     window: usize,
     stuck: usize,
     /// Whether amperes have no steps: the converter is not that of the drive.
@@ -71,7 +75,7 @@ impl Phases {
             column.iter().map(|value| if are_counts { value - offset } else { *value }).collect()
         };
         let amperes: Vec<Vec<f64>> = columns.iter().zip(&offsets).map(without_offset).collect();
-        let noise = noise(&amperes).max(2.0 * gain_a);
+        let largest = if are_counts { amperes.iter().map(|own| largest_of(own)).fold(0.0, f64::max) } else { largest };
         let stuck = (REPETITIONS * longest).max(LEAST_STUCK);
         Self {
             amperes,
@@ -79,7 +83,7 @@ impl Phases {
             offsets,
             gain_a,
             bits,
-            noise,
+            largest,
             window: ((WINDOW_S * rate_hz).round() as usize).clamp(50, 4000),
             stuck: if stuck > usize::from(u16::MAX) / 2 { 0 } else { stuck },
             is_smooth,
@@ -95,11 +99,13 @@ impl Phases {
             *offset += by;
             own.iter_mut().for_each(|value| *value -= by);
         }
-        self.noise = noise(&self.amperes).max(2.0 * self.gain_a);
     }
 
-    /// The section of the file, and the one of the balance.
-    pub(super) fn lines(&self, names: &[String], first: usize) -> Vec<String> {
+    /// The section of the file, and the one of the balance, with the noise of the sum of three currents.
+    pub(super) fn lines(&self, names: &[String], first: usize, noise: f64) -> Vec<String> {
+        // Three converters that round.
+        let noise = noise.max(self.gain_a * 0.25_f64.sqrt());
+        let offset = (OFFSET_NOISES * noise).max(OFFSET_PART * self.largest);
         let list = |value: &dyn Fn(usize) -> String| (0..names.len()).map(value).collect::<Vec<_>>().join(", ");
         let highest = (1_u64 << self.bits) - 17;
         let unknown = if self.are_counts { "  # set: amperes a count, by the data sheet; one here" } else { "" };
@@ -115,7 +121,11 @@ impl Phases {
             format!("stuck_samples = {}  # no converter of the recording repeats itself so long", self.stuck),
             "\n[balance]".into(),
             // In counts it stays right when the gain is set.
-            format!("noise_counts = {:.4}  # of the sum of the currents", self.noise / self.gain_a),
+            format!("noise_counts = {:.4}  # of the sum of the currents", noise / self.gain_a),
+            format!(
+                "offset_counts = {:.4}  # of a sensor that ages or is warm: removed up to this size",
+                offset / self.gain_a
+            ),
             "gain_tolerance = 0.02".into(),
             format!("window = {}", self.window),
         ]);
@@ -133,6 +143,10 @@ impl Phases {
         }
         said
     }
+}
+
+fn largest_of(column: &[f64]) -> f64 {
+    known(column).fold(0.0, |most, value| most.max(value.abs()))
 }
 
 pub(super) fn mean(column: &[f64]) -> f64 {
@@ -158,22 +172,6 @@ fn step(column: &[f64]) -> Option<f64> {
     // Rounded digits leave a part of a step.
     let fits = values.windows(2).filter(|pair| off((pair[1] - pair[0]) as f64) < 0.05 * least + 1000.0).count();
     (fits * 10 > values.len() * 9).then_some(1e-9 * least)
-}
-
-/// Three deviations of the sum of three currents; of two, of what one sample differs from the line of its neighbours.
-fn noise(amperes: &[Vec<f64>]) -> f64 {
-    let rms =
-        |values: &[f64]| (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt();
-    if let [a, b, c] = amperes {
-        let sums: Vec<f64> =
-            a.iter().zip(b).zip(c).map(|((a, b), c)| a + b + c).filter(|sum| sum.is_finite()).collect();
-        return 3.0 * rms(&sums);
-    }
-    let bends: Vec<f64> =
-        amperes.iter().flat_map(|own| own.windows(3)).map(|own| own[0] - 2.0 * own[1] + own[2]).collect();
-    let bends: Vec<f64> = bends.into_iter().filter(|bend| bend.is_finite()).collect();
-    // The bend of white noise has the variance 6 σ², and the sum of three that of 3 σ².
-    3.0 * rms(&bends) / 2.0_f64.sqrt()
 }
 
 fn longest_repetition(column: &[f64]) -> usize {

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
-use bearing_watch::drive::{FrontEnd, RawSample};
+use bearing_watch::drive::{Alignment, FrontEnd, PhaseCounts, Position, RawSample};
 
 /// A drive that turns to and fro, with friction, and how it records.
 #[derive(Clone, Copy)]
@@ -16,6 +16,10 @@ struct Drive {
     /// Amperes a count, and counts at no current; 0 for amperes as they are.
     gain_a: f64,
     zero: f64,
+    /// The current in parts of that of the others, the deviation of each sensor's noise, A, and a seed of it.
+    load: f64,
+    noise_a: f64,
+    seed: u32,
 }
 
 const DRIVE: Drive = Drive {
@@ -26,6 +30,9 @@ const DRIVE: Drive = Drive {
     phases: &[0, 1, 2],
     gain_a: 0.01,
     zero: 2048.0,
+    load: 1.0,
+    noise_a: 0.006,
+    seed: 7,
 };
 const RATE_HZ: f64 = 8000.0;
 const PHASES: [&str; 3] = ["adc_a", "adc_b", "adc_c"];
@@ -43,17 +50,22 @@ impl Drive {
         let mut names: Vec<String> = self.phases.iter().map(|k| PHASES[*k].into()).collect();
         names.extend(["enc_pos", "velocity_ref_rad_s"].map(String::from));
         let mut columns = vec![vec![]; names.len()];
-        let mut state = 7_u32;
+        let mut state = self.seed;
+        // Of four uniform ones.
         let mut noise = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1_u32 << 24) - 0.5
+            let mut sum = -2.0;
+            for _ in 0..4 {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum += f64::from(state >> 8) / f64::from(1_u32 << 24);
+            }
+            sum * 3.0_f64.sqrt()
         };
         for row in 0..24_000 {
             let t = f64::from(row) / RATE_HZ;
             let [angle, velocity, q] = Self::truth(t);
             let electrical = self.pole_pairs * angle + self.offset_rad;
             for (place, k) in self.phases.iter().enumerate() {
-                let a = -q * (electrical - *k as f64 * TAU / 3.0).sin() + 0.02 * noise();
+                let a = -self.load * q * (electrical - *k as f64 * TAU / 3.0).sin() + self.noise_a * noise();
                 columns[place].push(if self.gain_a > 0.0 { (self.zero + a / self.gain_a).round() } else { a });
             }
             let shown = if self.reversed { -angle } else { angle };
@@ -88,6 +100,86 @@ impl Drive {
         }
         assert!(front_end.faults().is_clear(), "{:?}", front_end.faults());
         (worst, samples)
+    }
+}
+
+/// The currents of `rows` through the front end, wired otherwise: whether they turn with the rotor, and whether the last
+/// sample has one.
+fn wired(found: &RawFrontEnd, drive: Drive, change: impl Fn(&mut RawSample<8>)) -> (Alignment, bool) {
+    let (names, columns) = drive.recorded();
+    let place = |name: &&str| names.iter().position(|own| own == name).expect("a column");
+    let recorded: Vec<&[f64]> = found.file.columns().iter().map(|name| &columns[place(name)][..]).collect();
+    let mut front_end = FrontEnd::<8, 8>::new(&found.file.constants()).expect("good constants");
+    let mut last = f32::NAN;
+    for row in 0..columns[0].len() {
+        let mut raw: RawSample<8> = crate::front_end::raw_sample(&found.file, &recorded, &[], None, row);
+        change(&mut raw);
+        last = front_end.push(&raw).map_or(last, |clean| clean.current_a);
+    }
+    (front_end.faults().alignment, last.is_finite())
+}
+
+/// Drives of 10 A, whose converters of 12 bits reach 20 A, with noise of half a count to two counts a sensor.
+fn at_five_per_cent(k: u32) -> Drive {
+    Drive {
+        pole_pairs: [4.0, 7.0, 2.0, 11.0, 5.0][k as usize % 5],
+        offset_rad: f64::from(k),
+        phases: [&[0, 1, 2][..], &[0, 1], &[1, 2], &[0, 2]][k as usize % 4],
+        reversed: k % 3 == 1,
+        gain_a: 40.0 / 4096.0,
+        zero: 2048.0 + f64::from(k % 7),
+        // Of 2.7 A at most.
+        load: 0.5 / 2.7,
+        noise_a: [0.005, 0.01, 0.02][k as usize % 3],
+        seed: 100 + k,
+        ..DRIVE
+    }
+}
+
+#[test]
+fn the_noise_is_that_of_the_sensors_at_any_current() {
+    for (load, noise_a) in [(0.5 / 2.7, 0.02), (1.0, 0.02), (4.0, 0.02), (1.0, 0.1), (4.0, 0.004)] {
+        for phases in [&[0, 1, 2][..], &[1, 2]] {
+            let drive = Drive { load, noise_a, phases, ..DRIVE };
+            let balance = drive.found().file.constants().balance;
+            // Counts of 0.01 A round the current; noise of less than a count is not white.
+            let expected = 3.0_f64.sqrt() * noise_a.hypot(0.01 / 12.0_f64.sqrt()) / 0.01;
+            let ratio = f64::from(balance.noise_a) / expected;
+            assert!((0.9..1.25).contains(&ratio), "{load} {noise_a} {phases:?}: {ratio}");
+            assert!(balance.offset_a >= 6.0 * balance.noise_a * 0.999, "{balance:?}");
+        }
+    }
+}
+
+#[test]
+fn the_wiring_is_decided_from_five_per_cent_of_the_rated_current_on() {
+    for k in 0..30 {
+        let drive = at_five_per_cent(k);
+        assert_eq!(wired(&drive.found(), drive, |_| ()), (Alignment::Aligned, true), "{k}");
+    }
+    for k in 0..6 {
+        let drive = at_five_per_cent(k);
+        let found = drive.found();
+        let refused = (Alignment::Misaligned, false);
+        let reverse = |raw: &mut RawSample<8>| {
+            if let Position::Absolute(angle) = raw.position {
+                raw.position = Position::Absolute(angle.negated());
+            }
+        };
+        assert_eq!(wired(&found, drive, reverse), refused, "angle reversed, {k}");
+        let exchange = |raw: &mut RawSample<8>| match &mut raw.currents {
+            PhaseCounts::Three([_, b, c]) => std::mem::swap(b, c),
+            PhaseCounts::Two([a, b]) => std::mem::swap(a, b),
+            PhaseCounts::Quadrature(_) => {}
+        };
+        assert_eq!(wired(&found, drive, exchange), refused, "phases exchanged, {k}");
+        for by in [-1.0, 1.0] {
+            let from = format!("pole_pairs = {} ", drive.pole_pairs);
+            let text = found.text.replace(&from, &format!("pole_pairs = {} ", drive.pole_pairs + by));
+            let file = FrontEndFile::parse(&text).expect("a front end");
+            let other = RawFrontEnd { text, file, said: vec![] };
+            assert_eq!(wired(&other, drive, |_| ()), refused, "pole pairs, {k} {by}");
+        }
     }
 }
 

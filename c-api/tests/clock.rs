@@ -1,0 +1,55 @@
+//! What does not come any more is told once by the clock, with the reason as a code that has a text.
+#![allow(clippy::expect_used, clippy::indexing_slicing, clippy::panic, reason = "a test fails by a panic")]
+
+#[path = "../../examples/support/standard_rig/mod.rs"]
+mod standard_rig;
+#[allow(dead_code, reason = "other tests use the rest")]
+mod support;
+
+use std::ops::Range;
+
+use bearing_watch_c::*;
+
+use standard_rig::model::MODEL;
+use support::{FILE, Memory, SEGMENT, channels};
+
+/// The codes of the clock below 0 with their times in ms, of a drive whose contexts run within some times, at 500 Hz.
+fn told(sampled: Range<u32>, collected: Range<u32>, solved: Range<u32>, end_ms: u32) -> Vec<(u32, BwCode)> {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("a good model");
+    let (mut samples, mut told) = (0, Vec::new());
+    // SAFETY: the state is initialised, and the values are there.
+    unsafe {
+        assert_eq!(bw_limit_liveness(state, 1.0, 15.0, 40.0), BwCode::Ok);
+        let rows: Vec<Vec<f32>> =
+            standard_rig::samples().take(SEGMENT).map(|sample| channels(&MODEL, &sample)).collect();
+        for (now, row) in (0..end_ms).step_by(2).zip(rows.iter().cycle()) {
+            if sampled.contains(&now) {
+                samples += 1;
+                bw_put(state, row.as_ptr(), row.len(), 0, false);
+            }
+            if collected.contains(&now) {
+                bw_collect_waiting(state);
+            }
+            if solved.contains(&now) {
+                bw_advance(state);
+            }
+            let code = bw_clock(state, samples, now);
+            if (code as i32) < 0 {
+                told.push((now, code));
+            }
+        }
+    }
+    told
+}
+
+#[test]
+fn what_does_not_come_any_more_is_told_once_with_the_reason() {
+    let always = 0..u32::MAX;
+    assert_eq!(told(always.clone(), always.clone(), always.clone(), 60_000), []);
+    let lapse = |told: &[(u32, BwCode)]| (told.len(), told[0].1, told[0].0 / 100);
+    assert_eq!(lapse(&told(0..12_000, always.clone(), always.clone(), 19_000)), (1, BwCode::NoSample, 129));
+    assert_eq!(lapse(&told(always.clone(), 0..12_000, always.clone(), 19_000)), (1, BwCode::NotCollected, 129));
+    // The first segment, of ten seconds, waits, and the others are lost.
+    assert_eq!(lapse(&told(always.clone(), always, 0..0, 39_000)), (1, BwCode::NoSegment, 249));
+}
