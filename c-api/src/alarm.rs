@@ -39,7 +39,9 @@ pub struct BwAlarm {
     pub silent_reason: BwReason,
     /// Whether the alarm names what has risen above what is usual for this drive.
     pub risen: bool,
-    /// The coordinate that has risen, a place in `BW_MODEL_COORDINATE_NAMES`.
+    /// Whether the alarm names what has fallen below it: the load or a sensor, and no bearing defect.
+    pub fallen: bool,
+    /// The coordinate that has risen or fallen, a place in `BW_MODEL_COORDINATE_NAMES`.
     pub coordinate: u8,
     /// By how many standard deviations of runs.
     pub deviations: f32,
@@ -81,8 +83,9 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
                 silent_segments: silence.map_or(0, |silence| silence.segments),
                 silent_reason,
                 risen: main.is_some(),
+                fallen: matches!(cause, Some(Cause::Fallen(_))),
                 coordinate: match cause {
-                    Some(Cause::Coordinate(place)) => place,
+                    Some(Cause::Coordinate(place) | Cause::Fallen(place)) => place,
                     _ => 0,
                 },
                 deviations: main.map_or(0.0, |main| main.deviations),

@@ -48,7 +48,8 @@
 //! its support: a sensor fault far from every class is no trained defect.
 //!
 //! A model with directions has [`Runs`] in the place of (1) … (4): the means of runs in each direction, relative to
-//! this drive, and an alarm that names the direction.
+//! this drive, and an alarm that names the direction. Its score of the novelty is that of falls: s of (1) is then the
+//! surprise of the rarest fall ([`crate::model::Fall`]), which contains the part of falls in the false alarms.
 //!
 //! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
 //! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
@@ -59,7 +60,7 @@ mod words;
 use super::growth::Growth;
 use super::runs::{Contribution, Runs};
 use super::silence::{Silence, SilenceLimits, Silent};
-use crate::decide::{Decision, Directions, UNMARKED};
+use crate::decide::{Decision, Directions, Fall, UNMARKED};
 use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
@@ -99,6 +100,9 @@ pub enum Cause {
     /// The coordinate, by its place, whose runs have risen most above those of this drive. Coordinates are not in the
     /// order of the features: the exported model and the hello of [`telemetry`](crate::telemetry) say what each is.
     Coordinate(u8),
+    /// The coordinate, by its place, that has been below its usual value over several runs: the load or a sensor, and
+    /// no bearing defect.
+    Fallen(u8),
 }
 
 /// An alarm.
@@ -134,6 +138,8 @@ pub struct Evidence<P: Plan> {
     runs: Runs<P>,
     /// What raised the alarm.
     main: Option<Contribution>,
+    /// The coordinate that fell last, in a model with directions.
+    fallen: Option<u8>,
     /// The mark of the model.
     model: u32,
 }
@@ -167,6 +173,7 @@ impl<P: Plan> Evidence<P> {
             silent: Silent::NONE,
             runs: Runs::new(directions),
             main: None,
+            fallen: None,
             model: UNMARKED,
         }
     }
@@ -216,6 +223,9 @@ impl<P: Plan> Evidence<P> {
         self.run = self.run.saturating_add(1);
         if self.runs.are_used() {
             self.runs.add(decision.directed());
+            let Fall { surprise, coordinate } = decision.fall;
+            self.novelty.add((ln(bet) + (1.0 - bet) * surprise).min(cap)); // (1)
+            self.fallen = if surprise > 0.0 { Some(coordinate) } else { self.fallen };
         } else {
             self.novelty.add((ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
             self.weigh_defects(healthy, decision);
@@ -267,9 +277,16 @@ impl<P: Plan> Evidence<P> {
     pub fn end_run(&mut self) -> Option<Alarm> {
         let (Some(healthy), 1..) = (self.healthy, self.run) else { return self.alarm };
         if self.runs.are_used() {
-            let quiet = self.look() < 0.5 * self.constants.limit && self.alarm.is_none();
-            self.runs.end(self.run, self.constants.cap, quiet, self.segments);
+            let EvidenceConstants { limit, cap, .. } = self.constants;
+            let risen = self.look();
+            self.novelty.end_run(ln(self.run as f32), 0.0);
+            let most = if risen > self.novelty.sum { risen } else { self.novelty.sum };
+            let quiet = most < 0.5 * limit && self.alarm.is_none();
+            self.runs.end(self.run, cap, quiet, self.segments);
             self.run = 0;
+            if let (None, Some(place), true) = (self.alarm, self.fallen, self.novelty.sum >= limit) {
+                self.alarm = Some(Alarm { segment: self.segments, cause: Cause::Fallen(place) });
+            }
             return self.alarm;
         }
         let EvidenceConstants { limit, log_mean, defect_log_mean, .. } = self.constants;
@@ -326,7 +343,7 @@ impl<P: Plan> Evidence<P> {
     #[must_use]
     pub fn score(&self) -> f32 {
         if self.runs.are_used() {
-            return self.runs.score();
+            return self.runs.score().max(self.novelty.sum);
         }
         self.defects.cells().iter().map(|score| score.sum).fold(self.novelty.sum, f32::max)
     }
@@ -407,6 +424,7 @@ impl<P: Plan> Evidence<P> {
         self.defects.cells_mut().fill(Score::ZERO);
         self.support.cells_mut().fill(0.0);
         (self.novelty, self.run, self.main, self.alarm) = (Score::ZERO, 0, None, None);
+        self.fallen = None;
     }
 
     /// Starts afresh, as after a repair: alarm, scores, counts, silence, and what was learned of the drive.

@@ -16,7 +16,7 @@
 
 use super::features::FeatureValue;
 use super::gates::density::Density;
-use super::gates::{Departure, Most};
+use super::gates::{Departure, Fall, Most};
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::regression::factor::{numbered, pairs};
 
@@ -68,6 +68,8 @@ pub struct Decision<P: Plan> {
     pub surprise: f32,
     /// The coordinate that departs most from the healthy class; `None` without such a class.
     pub most: Option<Most>,
+    /// The rarest fall of a coordinate that a defect raises: the load or a sensor, and no bearing.
+    pub fall: Fall,
 }
 
 impl<P: Plan> Decision<P> {
@@ -88,13 +90,14 @@ impl<P: Plan> Decision<P> {
             distance_surprise: 0.0,
             surprise: 0.0,
             most: None,
+            fall: Fall::default(),
         }
     }
 
     /// Takes distance and surprises.
     pub(crate) fn depart(&mut self, departure: Departure) {
         (self.distance, self.surprise) = (departure.distance, departure.surprise);
-        (self.distance_surprise, self.most) = (departure.distance_surprise, departure.most);
+        (self.distance_surprise, self.most, self.fall) = (departure.distance_surprise, departure.most, departure.fall);
     }
 
     /// The value of each direction that the alarm watches, less the mean of drives.

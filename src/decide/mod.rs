@@ -21,7 +21,7 @@ pub use covariates::{Covariate, Covariates};
 pub use discriminant::{Decision, Discriminant, UNMARKED};
 pub use features::{Estimates, Feature, FeatureValue};
 pub use gates::{
-    Background, Departure, Direction, Directions, KNOTS, Law, MAX_BACKGROUND, MAX_SURPRISE, Most, Novelty, Rise,
+    Background, Departure, Direction, Directions, Fall, KNOTS, Law, MAX_BACKGROUND, MAX_SURPRISE, Most, Novelty, Rise,
 };
 pub use projection::Projection;
 pub use verdict::Verdict;

@@ -18,8 +18,8 @@ mod writer;
 
 pub use crate::alarm::evidence::EvidenceConstants;
 pub use crate::decide::{
-    Background, Classifier, Covariate, Covariates, Departure, Direction, Directions, Discriminant, Estimates, Feature,
-    FeatureValue, KNOTS, Law, MAX_BACKGROUND, Most, Novelty, Projection, Rise,
+    Background, Classifier, Covariate, Covariates, Departure, Direction, Directions, Discriminant, Estimates, Fall,
+    Feature, FeatureValue, KNOTS, Law, MAX_BACKGROUND, Most, Novelty, Projection, Rise,
 };
 pub use crate::regression::Regression;
 pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};

@@ -33,7 +33,8 @@
 //! Reason           16     5     1        of an undetermined verdict, else 0
 //! Undetermined     21     3     1        number of undetermined segments, which wraps
 //! Place            24     8     1        part, parameter, term, channel, covariate, error or kernel of the reason
-//! Alarm            32     8     1        0 none, 1 unknown cause, 2 + k class k, 128 + k coordinate k has risen
+//! Alarm            32     8     1        0 none, 1 unknown cause, 2 + k class k, 128 + k coordinate k has risen, 192 + k
+//!                                        it has fallen
 //! Deviations       40     8  0.25  sd    by how much the coordinate of the alarm has risen; 63.75 or more
 //! Usable           48     7     1  %     share of the segment's samples that are usable rows
 //! Silent           55     1     1        no segment has had a verdict for too long
@@ -44,7 +45,7 @@
 //! DBC file. Each byte but the third and the seventh is one signal. [`SegmentFrame::SIGNALS`] is this table; encoder,
 //! decoder and DBC file use it. Reasons and places have the numbers of the C interface; rows of a reason are not sent
 //! and are 0. Classes from 252 on share the last number of their signal, as do classes from 125 on and coordinates from
-//! 127 on as the cause of an alarm.
+//! 63 on as the cause of an alarm.
 //!
 //! A report may be withdrawn until the next segment ([`Monitor::withdraw`](crate::Monitor::withdraw)). Its frame is
 //! then sent again, with the same number and the reason [`Reason::FoundLate`]. If it is not, *Undetermined* rises by
@@ -85,6 +86,7 @@ const NO_ALARM: u8 = 0;
 const UNKNOWN_CAUSE: u8 = 1;
 const FIRST_DEFECT: u8 = 2;
 const FIRST_COORDINATE: u8 = 128;
+const FIRST_FALLEN: u8 = 192;
 
 /// Percent.
 const WHOLE: u8 = 100;
@@ -195,7 +197,11 @@ impl SegmentFrame {
             Some(Cause::Unknown) => UNKNOWN_CAUSE,
             Some(Cause::Class(class)) if class < FIRST_COORDINATE - FIRST_DEFECT => class.saturating_add(FIRST_DEFECT),
             Some(Cause::Class(_)) => FIRST_COORDINATE - 1,
-            Some(Cause::Coordinate(place)) => place.saturating_add(FIRST_COORDINATE),
+            Some(Cause::Coordinate(place)) if place < FIRST_FALLEN - FIRST_COORDINATE => {
+                place.saturating_add(FIRST_COORDINATE)
+            }
+            Some(Cause::Coordinate(_)) => FIRST_FALLEN - 1,
+            Some(Cause::Fallen(place)) => place.saturating_add(FIRST_FALLEN),
         }
     }
 
@@ -229,6 +235,7 @@ impl SegmentFrame {
         match self.number(&ALARM) {
             NO_ALARM => None,
             UNKNOWN_CAUSE => Some(Cause::Unknown),
+            place @ FIRST_FALLEN.. => Some(Cause::Fallen(place.saturating_sub(FIRST_FALLEN))),
             place @ FIRST_COORDINATE.. => Some(Cause::Coordinate(place.saturating_sub(FIRST_COORDINATE))),
             class => Some(Cause::Class(class.saturating_sub(FIRST_DEFECT))),
         }

@@ -47,7 +47,7 @@ impl VerdictCode {
     }
 }
 
-/// An alarm: 0 none, 1 of a class, 2 of an unknown cause, 3 of a coordinate.
+/// An alarm: 0 none, 1 of a class, 2 of an unknown cause, 3 of a coordinate, 4 of one that has fallen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AlarmCode {
     alarm: u8,
@@ -63,6 +63,7 @@ impl From<Option<Alarm>> for AlarmCode {
             Some(Alarm { segment, cause: Cause::Class(cause) }) => Self { alarm: 1, cause, segment },
             Some(Alarm { segment, cause: Cause::Unknown }) => Self { alarm: 2, cause: 0, segment },
             Some(Alarm { segment, cause: Cause::Coordinate(cause) }) => Self { alarm: 3, cause, segment },
+            Some(Alarm { segment, cause: Cause::Fallen(cause) }) => Self { alarm: 4, cause, segment },
         }
     }
 }
@@ -77,6 +78,7 @@ impl AlarmCode {
             1 => Some(Some(Alarm { segment, cause: Cause::Class(self.cause) })),
             2 => Some(Some(Alarm { segment, cause: Cause::Unknown })),
             3 => Some(Some(Alarm { segment, cause: Cause::Coordinate(self.cause) })),
+            4 => Some(Some(Alarm { segment, cause: Cause::Fallen(self.cause) })),
             _ => None,
         }
     }

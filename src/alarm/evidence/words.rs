@@ -6,14 +6,15 @@ use crate::plan::{Cells, Layout, Plan};
 use crate::regression::factor::pairs;
 
 /// Words beside those of classes and directions: 5 of the counts and the alarm, 2 of the novelty, 3 of the silence,
-/// 4 of what raised the alarm, and how many runs are learned.
-const COMMON: usize = 15;
+/// 4 of what raised the alarm, the coordinate that fell, and how many runs are learned.
+const COMMON: usize = 16;
 /// Words a class.
 const EACH: usize = 3;
 /// The cause of an alarm is a number: none, unknown, and from here on the class.
 const FIRST_CLASS: u32 = 2;
-/// Or a coordinate with this bit.
+/// Or a coordinate with this bit, and with this one if it has fallen.
 const COORDINATE: u32 = 1 << 16;
+const FALLEN: u32 = 1 << 17;
 
 impl<P: Plan> Evidence<P> {
     /// Number of words of a state of this layout.
@@ -29,6 +30,7 @@ impl<P: Plan> Evidence<P> {
             Some(Alarm { segment, cause: Cause::Unknown }) => (1, segment),
             Some(Alarm { segment, cause: Cause::Class(class) }) => (FIRST_CLASS.saturating_add(class.into()), segment),
             Some(Alarm { segment, cause: Cause::Coordinate(place) }) => (u32::from(place) | COORDINATE, segment),
+            Some(Alarm { segment, cause: Cause::Fallen(place) }) => (u32::from(place) | FALLEN, segment),
         };
         [self.segments, self.undetermined, self.run, cause, segment].into_iter().for_each(&mut *put);
         for Score { sum, run } in core::iter::once(&self.novelty).chain(self.defects.cells()) {
@@ -40,6 +42,7 @@ impl<P: Plan> Evidence<P> {
         let Contribution { direction, deviations, score, since } = self.main.unwrap_or_default();
         let direction = if self.main.is_some() { u32::from(direction).saturating_add(1) } else { 0 };
         [direction, deviations.to_bits(), score.to_bits(), since].into_iter().for_each(&mut *put);
+        put(self.fallen.map_or(0, |place| u32::from(place).saturating_add(1)));
         self.runs.save(put);
     }
 
@@ -51,6 +54,9 @@ impl<P: Plan> Evidence<P> {
         self.alarm = match cause {
             0 => None,
             1 => Some(Alarm { segment, cause: Cause::Unknown }),
+            place if place >= FALLEN => {
+                Some(Alarm { segment, cause: Cause::Fallen(u8::try_from(place ^ FALLEN).ok()?) })
+            }
             place if place >= COORDINATE => {
                 Some(Alarm { segment, cause: Cause::Coordinate(u8::try_from(place ^ COORDINATE).ok()?) })
             }
@@ -65,6 +71,10 @@ impl<P: Plan> Evidence<P> {
         }
         self.silent.restore([take()?, take()?, take()?], self.undetermined)?;
         self.main = self.main_of([take()?, take()?, take()?, take()?])?;
+        self.fallen = match take()? {
+            0 => None,
+            place => Some(u8::try_from(place.wrapping_sub(1)).ok()?),
+        };
         self.runs.restore(take, self.segments)?;
         self.is_plausible().then_some(())
     }
@@ -102,6 +112,7 @@ impl<P: Plan> Evidence<P> {
                     Cause::Unknown => true,
                     Cause::Class(class) => defect(class),
                     Cause::Coordinate(place) => self.runs.watch(place),
+                    Cause::Fallen(_) => self.runs.are_used() && self.fallen.is_some(),
                 };
                 known && self.healthy.is_some() && segment > 0 && segment <= self.segments
             }
@@ -112,11 +123,13 @@ impl<P: Plan> Evidence<P> {
     fn scored(&self, decided: u32) -> bool {
         let EvidenceConstants { cap, segments_a_run, log_mean, defect_log_mean, .. } = self.constants;
         // Without a healthy class nothing is summed.
-        let (open, runs) = (self.run > 0 && !self.runs.are_used(), if self.healthy.is_some() { decided } else { 0 });
+        // With directions only the novelty has a sum of the run, of falls.
+        let (open, directed) = (self.run > 0, self.runs.are_used());
+        let runs = if self.healthy.is_some() { decided } else { 0 };
         // A run adds its cap, its length and a mean; the margin is for roundings.
         let a_run = cap + log_mean.abs().max(defect_log_mean.abs()) + 1.0;
         let most = a_run * runs as f32 * 1.01;
-        let good = |score: &Score| {
+        let good = |score: &Score, open: bool| {
             let begun = if open { score.run < f32::INFINITY } else { score.run == f32::NEG_INFINITY };
             score.sum >= 0.0 && score.sum <= most && begun
         };
@@ -126,10 +139,10 @@ impl<P: Plan> Evidence<P> {
             let healthy = Some(class) == self.healthy;
             class = class.wrapping_add(1);
             let lowest = -1.01 * cap * runs as f32;
-            let weighed = good(score) && *support <= 0.0 && *support >= lowest;
+            let weighed = good(score, open && !directed) && *support <= 0.0 && *support >= lowest;
             weighed && (!healthy || (*score == Score::ZERO && *support >= 0.0))
         });
-        let novelty = good(&self.novelty) && (!open || self.novelty.run.is_finite());
+        let novelty = good(&self.novelty, open) && (!open || self.novelty.run.is_finite());
         novelty && defects_good && (self.run < segments_a_run || self.run == 0) && (runs > 0 || !open)
     }
 }

@@ -11,4 +11,4 @@ pub(crate) mod rising;
 pub use direction::{Background, Direction, Directions, MAX_BACKGROUND};
 pub use law::{KNOTS, Law, MAX_SURPRISE};
 pub use novelty::{Departure, Novelty};
-pub use rising::{Most, Rise};
+pub use rising::{Fall, Most, Rise};

@@ -29,7 +29,7 @@
 use super::density::Density;
 use super::direction::Directions;
 use super::law::{KNOTS, Law, equivalent, surprise};
-use super::rising::{self, Most, Rise, Scores};
+use super::rising::{self, Fall, Most, Rarest, Rise, Scores};
 use crate::plan::{Array, Cells, Plan};
 
 /// The distribution of the healthy class.
@@ -76,6 +76,8 @@ pub struct Departure {
     pub surprise: f32,
     /// The coordinate that departs most.
     pub most: Option<Most>,
+    /// The rarest fall of a rising coordinate.
+    pub fall: Fall,
 }
 
 impl<P: Plan> Novelty<P> {
@@ -112,8 +114,9 @@ impl<P: Plan> Novelty<P> {
         if laws.is_empty() {
             return departure;
         }
-        let (surprise, most) = rising::rarest(laws, self.rises.cells(), judged.cells(), &scores, z.len());
-        Departure { surprise, most, ..departure }
+        let Rarest { surprise, most, fall } =
+            rising::rarest(laws, self.rises.cells(), judged.cells(), &scores, z.len());
+        Departure { surprise, most, fall, ..departure }
     }
 
     /// Whether a segment at this squared distance (1) from a class, over the available ones of all coordinates, is
@@ -140,7 +143,7 @@ impl<P: Plan> Novelty<P> {
     fn departure(&self, scores: &Scores, all: usize) -> Departure {
         let squared = equivalent(scores.squared, scores.available, all);
         let (surprise, most) = (self.surprise(squared), scores.farthest());
-        Departure { distance: libm::sqrtf(squared), distance_surprise: surprise, surprise, most }
+        Departure { distance: libm::sqrtf(squared), distance_surprise: surprise, surprise, most, fall: Fall::default() }
     }
 }
 

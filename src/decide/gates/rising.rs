@@ -26,7 +26,7 @@
 use core::f32::consts::LN_2;
 
 use super::law::{Law, equivalent, surprise};
-use crate::logarithm::ln;
+use crate::logarithm::{ln, ln_of_level};
 use crate::regression::factor::pairs;
 
 /// A value that is not available.
@@ -130,9 +130,31 @@ impl Smallest {
     }
 }
 
-/// s of (3) and the rarest coordinate, of d² of the others and u of each rising one.
+/// The rarest fall by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Fall {
+    /// −ln of the probability that any of the rising coordinates of a healthy segment is so far below its mean, over
+    /// φ; 0 if that is not rare.
+    pub surprise: f32,
+    /// Its coordinate.
+    pub coordinate: u8,
+}
+
+/// What is rare about a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rarest {
+    /// s of (3).
+    pub surprise: f32,
+    /// The rarest coordinate.
+    pub most: Option<Most>,
+    pub fall: Fall,
+}
+
+/// Of d² of the others and u of each rising coordinate.
 #[inline(never)]
-pub(crate) fn rarest(laws: &[Law], rises: &[Rise], judged: &[f32], scores: &Scores, all: usize) -> (f32, Option<Most>) {
+pub(crate) fn rarest(laws: &[Law], rises: &[Rise], judged: &[f32], scores: &Scores, all: usize) -> Rarest {
+    let (mut fallen, mut fall) = (0.0, Fall::default());
     let first = all.saturating_sub(laws.len().saturating_sub(1));
     let mut smallest = Smallest { p: 1.0, count: 0.0, most: None };
     for (k, (law, (value, rise))) in pairs(0..usize::MAX, pairs(laws, pairs(judged, rises))) {
@@ -150,8 +172,17 @@ pub(crate) fn rarest(laws: &[Law], rises: &[Rise], judged: &[f32], scores: &Scor
         smallest.take(if falls { 1.0 - beyond } else { beyond }, 1.0, most(place, false));
         let below = if falls { libm::expf(-far(law, rise.fall * u)) / FALLS } else { 1.0 };
         smallest.take(below, FALLS, most(place, true));
+        fallen += 1.0;
+        let own = -ln(below.max(f32::MIN_POSITIVE));
+        if let Some(Most { coordinate, .. }) = most(place, true)
+            && own > fall.surprise
+        {
+            fall = Fall { surprise: own, coordinate };
+        }
     }
-    (together(smallest.p, smallest.count), smallest.most)
+    let surprise = fall.surprise - ln_of_level(fallen);
+    fall.surprise = if surprise > 0.0 { surprise } else { 0.0 };
+    Rarest { surprise: together(smallest.p, smallest.count), most: smallest.most, fall }
 }
 
 /// −ln P(U ≥ u), u ≥ 0.
@@ -190,6 +221,11 @@ mod tests {
 
     /// The surprise of (y, D') of two others and then of rising ones, with ν = 10 and f = 2, and the rarest one.
     fn rarest_of(values: &[[f32; 2]]) -> (f32, Option<Most>) {
+        let Rarest { surprise, most, .. } = all_of(values);
+        (surprise, most)
+    }
+
+    fn all_of(values: &[[f32; 2]]) -> Rarest {
         let laws = laws(values.len() - 2);
         let (mut judged, mut scores) = (vec![MISSING; laws.len()], Scores::default());
         for (k, [y, pivot]) in values.iter().enumerate() {
@@ -240,6 +276,9 @@ mod tests {
         let fallen = [[0.0, 1.0], [0.0, 1.0], [-4.0, 2.0]];
         near(judged(&fallen), 32.0 + 2.0_f64.ln() + 0.1_f64.ln() - 2.1_f64.ln());
         assert_eq!(rarest_of(&fallen).1, Some(Most { coordinate: 2, falls: true }));
+        let Fall { surprise, coordinate } = all_of(&fallen).fall;
+        near(surprise, 32.0 + 2.0_f64.ln() + 0.1_f64.ln());
+        assert_eq!((coordinate, all_of(&[[0.0, 1.0], [0.0, 1.0], [4.0, 2.0]]).fall), (2, Fall::default()));
         // A small fall is usual: e⁻¹/2 is more than φ.
         near(judged(&[[0.0, 1.0], [0.0, 1.0], [-0.5, 1.0]]), of(1.0 - 0.5 * (-0.25_f64).exp(), 2.1));
     }

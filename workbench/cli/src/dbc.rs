@@ -89,9 +89,12 @@ fn causes(ModelFile { model, notes: Notes { orders, .. } }: &ModelFile) -> Vec<(
     // Only a model with directions names a coordinate.
     let coordinates = if model.directions() > 0 { model.coordinate_names(orders) } else { vec![] };
     let risen = (0_u8..)
-        .zip(coordinates)
+        .zip(&coordinates)
         .map(|(place, name)| cause(Some(Cause::Coordinate(place)), format!("{}: {name}", Side::Risen)));
-    once(fixed.into_iter().chain(classes).chain(risen))
+    let fallen = (0_u8..)
+        .zip(&coordinates)
+        .map(|(place, name)| cause(Some(Cause::Fallen(place)), format!("{}: {name}", Side::Fallen)));
+    once(fixed.into_iter().chain(classes).chain(risen).chain(fallen))
 }
 
 fn reasons() -> Vec<(u8, String)> {

@@ -35,6 +35,7 @@ pub(super) fn risen(names: &Names, summary: &Summary<'_>) -> Option<String> {
 pub(super) fn words(names: &Names, cause: Cause) -> String {
     match cause {
         Cause::Coordinate(place) => format!("{} has {}", in_words(&names.coordinate(place)), Side::Risen),
+        Cause::Fallen(place) => format!("{} has {}", in_words(&names.coordinate(place)), Side::Fallen),
         Cause::Class(_) | Cause::Unknown => name(names, cause),
     }
 }
@@ -45,6 +46,7 @@ pub(super) fn name(names: &Names, cause: Cause) -> String {
         Cause::Class(class) => names.class(class),
         Cause::Unknown => "unknown".into(),
         Cause::Coordinate(place) => names.coordinate(place),
+        Cause::Fallen(place) => format!("{} lower than usual", names.coordinate(place)),
     }
 }
 

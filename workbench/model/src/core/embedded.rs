@@ -1,6 +1,6 @@
 //! Runs a model of any layout over traces with the core's [`Detector`], the code that firmware runs.
 
-use bearing_watch::model::{Direction, EvidenceConstants, Feature, Sampling, ShaftConstants};
+use bearing_watch::model::{Direction, EvidenceConstants, Fall, Feature, Sampling, ShaftConstants};
 use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::{Cause, Decision, Detector, Evidence, Model, ModelError, Reason, Report, Verdict};
 
@@ -117,6 +117,7 @@ impl Embedded {
             distance_surprise: report.decision.as_ref().map_or(0.0, |decision| decision.distance_surprise),
             surprise: report.decision.as_ref().map_or(0.0, |decision| decision.surprise),
             most: report.decision.as_ref().and_then(|decision| decision.most),
+            fall: report.decision.as_ref().map_or_else(Fall::default, |decision| decision.fall),
             smallest: self.smallest(report),
             delta: estimate.map_or_else(Vec::new, |estimate| estimate.delta().to_vec()),
             raw: estimate.map_or_else(Vec::new, |estimate| estimate.raw()),
@@ -262,6 +263,7 @@ impl Embedded {
             Cause::Class(class) => self.classes.get(usize::from(class)).cloned().unwrap_or_default(),
             Cause::Unknown => "unknown".into(),
             Cause::Coordinate(place) => self.coordinate_name(orders, place),
+            Cause::Fallen(place) => format!("{} lower than usual", self.coordinate_name(orders, place)),
         })
     }
 

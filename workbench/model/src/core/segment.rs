@@ -1,6 +1,6 @@
 //! What the detector reported on one segment of a trace.
 
-use bearing_watch::model::{Feature, FeatureValue, Most};
+use bearing_watch::model::{Fall, Feature, FeatureValue, Most};
 use bearing_watch::shaft::{Friction, OrderStrength};
 use bearing_watch::{Average, Counts, Reason, Verdict};
 
@@ -27,6 +27,8 @@ pub struct SegmentReport {
     pub surprise: f32,
     /// The coordinate that departs most from healthy.
     pub most: Option<Most>,
+    /// The rarest fall of a coordinate that a defect raises.
+    pub fall: Fall,
     /// The smallest defect that the segment would have shown, of each coordinate that rises with one: a part of the
     /// usual friction, or the amplitude at an order, A; infinite where it shows none.
     pub smallest: Vec<(u8, f32)>,
@@ -76,6 +78,7 @@ impl SegmentReport {
             distance_surprise: 0.0,
             surprise: 0.0,
             most: None,
+            fall: Fall::default(),
             ..self
         }
     }

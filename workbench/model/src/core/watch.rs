@@ -109,6 +109,7 @@ pub(super) fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Optio
     let classifier = &model.constants().classifier;
     let mut decision = classifier.decide(model.plan(), &segment.log_likelihoods, segment.surprise)?;
     (decision.distance, decision.distance_surprise) = (segment.distance, segment.distance_surprise);
+    (decision.most, decision.fall) = (segment.most, segment.fall);
     decision.set_beyond(&segment.beyond);
     decision.set_directed(&segment.directed);
     Some(decision)

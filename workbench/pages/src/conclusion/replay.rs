@@ -162,6 +162,13 @@ impl<'a> Conclusion<'a> {
         if let Some(main) = main {
             return self.risen(alarm, main);
         }
+        if cause.ends_with("lower than usual") {
+            return format!(
+                "ALARM: {cause}. It was raised in {at}; the evidence {}. This is no bearing defect: look for a load or \
+                 belt that is lost, for a sensor, and for conditions warmer than those of training.",
+                self.evidence(),
+            );
+        }
         let what = if cause == "unknown" { "a defect of no trained class" } else { cause };
         format!(
             "ALARM: {what}. It was raised in {at}; the evidence has been above zero since {since}, and {}. {}. Inspect \

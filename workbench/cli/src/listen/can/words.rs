@@ -40,7 +40,7 @@ pub(super) fn alarm_line(names: &Names, Segment { time_s, number, frame, .. }: &
             let least = if by >= MOST { "at least " } else { "" };
             sentence((&alarm_name(names, cause), Side::Risen), &format!("{least}{by:.1}"), "", &Others::default())
         }
-        (Cause::Class(_) | Cause::Unknown, _) => alarm_name(names, cause),
+        (Cause::Class(_) | Cause::Unknown | Cause::Fallen(_), _) => alarm::words(names, cause),
     };
     format!("ALARM at segment {number}, {time_s:.3} s: {what}")
 }

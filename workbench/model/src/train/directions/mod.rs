@@ -55,7 +55,8 @@ const APART: f64 = 2.0;
 /// of a usual length adds to a score.
 #[must_use]
 pub fn limit_and_cap(segments: f64, directions: usize, usual: f64) -> [f64; 2] {
-    let limit = segments.ln() + ((directions * BETS.len()) as f64).ln();
+    // One more score is that of falls.
+    let limit = segments.ln() + ((directions * BETS.len() + 1) as f64).ln();
     let room = limit - usual.ln();
     [limit, (CAP * room).min(room - APART)]
 }
