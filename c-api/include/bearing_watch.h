@@ -95,7 +95,7 @@
 
 // Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
 // `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.
-#define BW_FRONT_END_SIZE 3072
+#define BW_FRONT_END_SIZE 3328
 
 // Bytes of memory that are enough for `bw_calibration_init`, aligned to `BW_STATE_ALIGN` bytes.
 #define BW_CALIBRATION_SIZE 128
