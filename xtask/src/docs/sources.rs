@@ -21,7 +21,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 27] = [
+pub const SOURCES: [Source; 28] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| {
         printed(("system", "demo"), "book/src/introduction.md", "standard_rig::twenty_draws")
@@ -49,7 +49,7 @@ pub const SOURCES: [Source; 27] = [
         workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
     }),
     slow("delay", Tolerance::Exact, |_| workbench("campaign --field --delay --draws 1", "delay", "docs/alarm.md")),
-    slow("lasting", Tolerance::Exact, |_| printed("lasting", "docs/alarm.md", "lasting::lasting_offsets_of")),
+    slow("lasting", Tolerance::Exact, |_| printed(("system", "lasting"), "docs/alarm.md", "lasting::lasting_offsets_of")),
     slow("growth", Tolerance::Exact, |_| {
         workbench("campaign --field --growth --draws 1 --only field-sine", "growth", "docs/alarm.md")
     }),
