@@ -1,29 +1,4 @@
-//! Traces cut into segments of the detector's length.
-
-use crate::trace::Trace;
-use crate::trace::labels::LabelledTrace;
-
-/// Cuts traces into segments of `samples`, the detector's segment length. A remainder is kept if it is longer than half
-/// a segment.
-#[must_use]
-pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
-    let pieces = traces.iter().flat_map(|labelled| {
-        let trace = &labelled.trace;
-        spans(trace.y.len(), samples).map(|(start, end)| {
-            let piece = Trace {
-                id: format!("{}[{start}..{end}]", trace.id),
-                y: trace.y[start..end].to_vec(),
-                u1: trace.u1[start..end].to_vec(),
-                u2: trace.u2[start..end].to_vec(),
-                motion: trace.motion.as_ref().map(|motion| motion.cut(start, end)),
-                further: trace.further.iter().map(|column| column[start..end].to_vec()).collect(),
-                ..*trace
-            };
-            LabelledTrace { trace: piece, class: labelled.class }
-        })
-    });
-    pieces.collect()
-}
+//! Segments of the detector's length in a trace.
 
 /// Returns start and end of each piece of a trace with `length` samples.
 pub(super) fn spans(length: usize, samples: usize) -> impl Iterator<Item = (usize, usize)> {
