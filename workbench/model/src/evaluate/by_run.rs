@@ -69,6 +69,13 @@ impl FalseAlarms {
         self.runs.iter().filter(|run| run.alarms > 0).count()
     }
 
+    /// The sums in words, without each run.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let ((alarms, judged), runs) = (self.total(), self.runs.len());
+        format!("{alarms} of {judged}, {} by runs, in {} of {runs} runs", self.rate(), self.with_alarm())
+    }
+
     /// JSON object with the keys `rate`, `runs_with_alarm`, `runs`.
     #[must_use]
     pub fn to_json(&self) -> Value {
@@ -83,16 +90,9 @@ impl FalseAlarms {
 
 impl std::fmt::Display for FalseAlarms {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let ((alarms, judged), runs) = (self.total(), self.runs.len());
         let each: Vec<String> =
             self.runs.iter().map(|run| format!("{} {}/{}", run.name, run.alarms, run.judged)).collect();
-        write!(
-            f,
-            "{alarms} of {judged}, {} by runs, in {} of {runs} runs: {}",
-            self.rate(),
-            self.with_alarm(),
-            each.join(", ")
-        )
+        write!(f, "{}: {}", self.summary(), each.join(", "))
     }
 }
 

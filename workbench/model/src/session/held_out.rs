@@ -42,6 +42,8 @@ pub struct Found {
     pub held_out: Option<HeldOut>,
     /// Only if no traces were held out.
     pub cross_validated: Option<Result<Scores, Error>>,
+    /// Healthy segments that a gate of the other folds calls novel; only with a gate, and if no traces were held out.
+    pub false_alarms: Option<Result<FalseAlarms, Error>>,
     /// Gates of the first runs on later ones; only if no traces were held out.
     pub forward: Vec<Forward>,
     /// The features by what they contribute, if wanted.

@@ -1,19 +1,26 @@
-//! Whether single precision is fine enough for the signals. The detector's estimates are compared with those of batch
-//! least squares in double precision.
+//! Whether single precision is fine enough: for the signals ([`doubt`]), where the detector's estimates are compared
+//! with those of batch least squares in double precision, and for the gate ([`agree`]), where its verdicts on the healthy
+//! segments of training are compared with those of the trained gate in double precision.
 //!
 //! Rounding grows with the ratio of the signals' levels to the residual, and with the rows of a segment
 //! (`factor/triangle.rs` of the core says how far it may be neglected).
 
-use crate::core::Embedded;
+use rayon::prelude::*;
+
+use crate::Error;
 use crate::core::features::{of_core, vector};
+use crate::core::{Embedded, SegmentReport};
 use crate::identify::{Terms as _, least_squares};
+use crate::statistics::mean_sd;
 use crate::trace::labels::LabelledTrace;
-use crate::train::Trained;
+use crate::train::{Doubted, Trained, features_of};
 
 /// Traces that are looked at, of different classes first: those of one drive are on one level.
 const LOOKED_AT: usize = 4;
 /// Part of its deviation by which a parameter may be off.
 const NEGLIGIBLE: f64 = 0.05;
+/// Part of the gate's limit by which a surprise may be off: the core's law is a line between knots.
+const NEAR: f64 = 0.05;
 
 /// A warning with the first of these traces in which a parameter is off by more than a twentieth of its deviation. Only
 /// for least squares on separate segments: batch least squares computes the same estimate.
@@ -42,11 +49,66 @@ pub(super) fn doubt(trained: &Trained, traces: &[LabelledTrace]) -> Option<Strin
                 own.trace.id,
                 recipe.structure.names()[worst],
                 off(worst),
-                crate::statistics::mean_sd(&own.trace.y).0,
+                mean_sd(&own.trace.y).0,
                 y = recipe.columns.y
             )
         })
     })
+}
+
+/// Compares the novel healthy segments of training by the core with those by the trained gate in double precision.
+///
+/// # Errors
+/// Other segments than those that are near the limit, or left out of training, are judged differently; it names the
+/// feature that differs most.
+pub(super) fn agree(trained: &Trained, traces: &[LabelledTrace]) -> Result<(), Error> {
+    let Some(gate) = &trained.watch.gate else { return Ok(()) };
+    let table = &trained.coordinates;
+    let own = (0..table.rows.len()).filter(|&row| table.classes[row] == gate.class);
+    let surprises: Vec<f64> =
+        own.map(|row| gate.surprise(&table.rows[row], &table.variances[row]).unwrap_or(f64::INFINITY)).collect();
+    let core = trained.embed()?;
+    let healthy = traces.iter().filter(|own| own.class == gate.class);
+    let segments: Vec<SegmentReport> =
+        healthy.collect::<Vec<_>>().par_iter().flat_map(|own| core.run(&own.trace)).collect();
+    let judged: Vec<&SegmentReport> = segments.iter().filter(|segment| segment.verdict.is_ok()).collect();
+    let novel = |surprise: f64| surprise >= gate.limit;
+    let by_core = judged.iter().filter(|segment| novel(f64::from(segment.surprise))).count();
+    let by_gate = surprises.iter().filter(|surprise| novel(**surprise)).count();
+    let near = |surprise: &f64| (surprise - gate.limit).abs() <= NEAR * gate.limit;
+    let doubted = trained.doubted.as_ref().map_or(0, Doubted::left_out);
+    // A segment that is left out of training may be judged either way.
+    let may_differ = surprises.iter().filter(|surprise| near(surprise)).count() + doubted;
+    if by_core.abs_diff(by_gate) <= may_differ {
+        return Ok(());
+    }
+    Err(Error::Training(format!(
+        "of the healthy segments of training the detector calls {by_core} of {} novel, and the trained gate {by_gate} of \
+         {}: {}; subtract the levels of the signals, or leave the feature out",
+        judged.len(),
+        surprises.len(),
+        most_different(trained, gate.class, &judged)
+    )))
+}
+
+/// The feature whose mean differs most between the core's healthy segments and those of training, in words.
+fn most_different(trained: &Trained, healthy: usize, judged: &[&SegmentReport]) -> String {
+    let catalogue = trained.recipe.catalogue();
+    let names = catalogue.names();
+    let each = |(k, name): (usize, &String)| {
+        let place = names.iter().position(|own| own == name)?;
+        let of_core: Vec<f64> = judged
+            .iter()
+            .map(|segment| features_of(segment, &catalogue))
+            .filter_map(|(value, variance)| variance[place].is_finite().then_some(value[place]))
+            .collect();
+        let of_training: Vec<f64> = trained.raw.with(healthy, k).map(|row| trained.raw.rows[row][k]).collect();
+        let ((core, _), (mean, deviation)) = (mean_sd(&of_core), mean_sd(&of_training));
+        let off = (core - mean).abs() / deviation;
+        Some((off, format!("{name} is {core:.6} in the mean there and {mean:.6} ± {deviation:.6} here")))
+    };
+    let worst = trained.feature_names.iter().enumerate().filter_map(each).max_by(|a, b| a.0.total_cmp(&b.0));
+    worst.map_or_else(|| "no feature differs".into(), |(_, words)| words)
 }
 
 #[cfg(test)]

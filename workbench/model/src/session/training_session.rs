@@ -110,6 +110,7 @@ impl Session {
         let held_out = self.held_out((&classes, &training), &recipe)?;
         let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
         let doubt = precision::doubt(&trained, &prepared);
+        precision::agree(&trained, &prepared)?;
         // On the traces as the shaft was trained, before block means move into the detector.
         let orders = Orders::of(&trained, &prepared)?;
         let host = embed_block_mean(&mut trained, self.preparation, &training);
@@ -145,6 +146,7 @@ impl Session {
         let held_out = own.held_out.as_ref().map(|held_out| evaluate(held_out, own, log)).transpose()?;
         Ok(Found {
             cross_validated: held_out.is_none().then(|| trained.cross_validated()),
+            false_alarms: if held_out.is_none() { trained.false_alarms() } else { None },
             forward: if held_out.is_none() { trained.forward() } else { vec![] },
             ranking: rank.then(|| trained.rank()).transpose()?,
             held_out,

@@ -38,6 +38,8 @@ pub fn to_json(own: &Training, found: &Found) -> Map<String, Value> {
         "shrinkage": trained.choice.as_ref().map(Choice::to_json),
         "held_out": found.held_out.as_ref().map(HeldOut::to_json),
         "cross_validated": found.cross_validated.as_ref().and_then(|v| v.as_ref().ok()).map(Scores::to_json),
+        "cross_validated_false_alarms":
+            found.false_alarms.as_ref().and_then(|v| v.as_ref().ok()).map(|own| own.rate().to_json()),
         "forward": found.forward.iter().map(Forward::to_json).collect::<Vec<_>>(),
         "ranking": found.ranking.as_ref().map(Ranking::to_json),
         "order_noise": evidence::to_json(own.orders.as_ref()),
@@ -64,6 +66,8 @@ pub fn lines(own: &Training, found: &Found, place: &str) -> Vec<String> {
     lines.extend(description::gate(trained));
     lines.extend(evidence::text(trained, own.orders.as_ref()));
     match &found.cross_validated {
+        // Of one class there is nothing to confuse.
+        Some(Ok(_)) if trained.classes.len() < 2 => {}
         Some(Ok(scores)) => {
             let error = 100.0 * scores.error;
             let interval = scores.error_by_group.map_or_else(String::new, |Rate { low, high, .. }| {
@@ -72,6 +76,16 @@ pub fn lines(own: &Training, found: &Found, place: &str) -> Vec<String> {
             lines.push(format!("cross-validated: error {error:.1} %{interval}, {}", scores.summary()));
         }
         Some(Err(reason)) => lines.push(format!("not cross-validated: {reason}")),
+        None => {}
+    }
+    match &found.false_alarms {
+        Some(Ok(own)) => lines.push(format!(
+            "cross-validated: healthy segments that are novel for a gate of the others {} ({} of {})",
+            own.rate(),
+            own.total().0,
+            own.total().1
+        )),
+        Some(Err(reason)) => lines.push(format!("false alarms not cross-validated: {reason}")),
         None => {}
     }
     lines.extend(Forward::lines(&found.forward));

@@ -4,34 +4,31 @@
 //! m, S: mean and covariance of the densest three quarters, reweighted                                (1) Rousseeuw
 //! z = S^(−½)(x − m),   z ~ (1 − π) N(0, I) + π N(μ, I + (s² − 1) u uᵀ),   u = μ/|μ|, π ≤ 0.3, s ≤ |μ|/1.5  (2)
 //! LR = Σ ln[(1 − π) + π exp(t²/2 − (t − |μ|)²/(2s²))/s],   t = uᵀz > 0                               (3)
-//! ln(t − t₀) ~ N(m, v)                                                                               (4)
+//! γ + δ asinh((t − ξ)/η) ~ N(0, 1)                                                                   (4)  Johnson
 //! ```
 //!
 //! (1) is the minimum covariance determinant (Rousseeuw and Van Driessen 1999), which a third of other rows does not
-//! move. (2) is fitted by expectation and maximisation, from the farthest rows; the largest (3) counts. Its law if
-//! there is one population is that of normal samples of the same size, simulated. Rows of the second population are
-//! left out only if the rest has no such rows: heavy tails on all sides, or a skewed law, are not a second population.
+//! move. (2) is fitted by expectation and maximisation, from the farthest rows; the largest (3) counts.
+//!
+//! Rows of the second population are left out only if along u two populations are more probable than any one law (4)
+//! (Johnson 1949: skewed and heavy tails of any size, with the normal and the logarithmic normal law as limits), by
+//! [`BETTER`] + ln k for k rows: as chance finds such odds less often by their size, k rows lost by it count as k.
+//! [`BETTER`] is from simulations of one population of 60 to 300 rows in 1 to 6 coordinates (normal, uniform, t of 3 and
+//! 5 degrees of freedom, exponential, Gumbel, logarithmic normal, scales that differ by three): of 60 rows at most 0.3
+//! are left out in the mean (in 400 sets of each, 0.18). At six standard deviations six of 60 rows are found in 80 % of the sets and eight of 160 in
+//! 95 %, at 20 ± 6 three of 60 in 97 %; at four, a tail looks the same.
 
 use nalgebra::{DMatrix, DVector};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
 use super::FeatureTable;
+use crate::statistics::mean_sd;
 use crate::trace::median;
 
 /// Part of the rows in (1).
 const DENSEST: f64 = 0.75;
 /// Largest π: a larger second population is not the exception.
 const MOST: f64 = 0.3;
-/// Samples of one population, and how many of them may have a larger ratio: one set in forty seems to have a second
-/// population if it has none.
-const SAMPLES: u64 = 99;
-const LARGER: usize = 2;
-/// (3) below which no sample of usual size is far.
-const LEAST: f64 = 5.0;
 /// Largest spread of (2): defects differ in size, but are apart from healthy rows.
 const APART: f64 = 1.5;
 /// Rows a coordinate below which (1) means little.
@@ -39,8 +36,10 @@ const LEAST_ROWS: usize = 8;
 /// Rows of one population are as far as this with probability 0.001, and many of them improbable.
 const FAR: f64 = 0.999;
 const MANY: f64 = 1e-4;
-/// How much more probable, as a logarithm, two populations are than one skewed law.
-const BETTER: f64 = 1.0;
+/// How much more probable, as a logarithm, two populations are than one law (4), for one row.
+const BETTER: f64 = 3.0;
+/// Traces that a line names.
+const NAMED: usize = 12;
 
 /// What is unusual about healthy rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +68,12 @@ pub struct Doubted {
 }
 
 impl Doubted {
+    /// Number of segments that are left out.
+    #[must_use]
+    pub const fn left_out(&self) -> usize {
+        self.others.len()
+    }
+
     /// In words.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
@@ -77,10 +82,11 @@ impl Doubted {
         if !traces.is_empty() {
             lines.push(format!(
                 "{} of {of} healthy segments are another population, {distance:.1} standard deviations from the rest, \
-                 and are left out of training: {}; look at them: if they are not healthy, change their labels, and if \
+                 and are left out of training: {}{}; look at them: if they are not healthy, change their labels, and if \
                  they are, record more of their kind",
                 traces.len(),
-                traces.join(", ")
+                traces[..traces.len().min(NAMED)].join(", "),
+                if traces.len() > NAMED { format!(" and {} more", traces.len() - NAMED) } else { String::new() },
             ));
         }
         if *far > 0 {
@@ -117,10 +123,8 @@ pub(super) fn of(table: &FeatureTable) -> Option<Populations> {
     let far = (0..n).filter(|&row| squared[row] > limit && !is_other(row)).count();
     let chance = Binomial::new(1.0 - FAR, n as u64).ok()?;
     let heavy = far > 0 && chance.sf(far as u64 - 1) < MANY;
-    let second = second.filter(|own| own.ratio > LEAST && own.ratio > of_one(n, p));
-    let skewed = second.as_ref().is_some_and(|own| own.is_skewed(&z));
     // Under heavy tails a few rows happen to be on one side; another population is larger than that.
-    let alone = second.as_ref().filter(|own| !skewed && (!heavy || own.rows().len() > 2 * far));
+    let alone = second.as_ref().filter(|own| own.is_told(&z) && (!heavy || own.rows().len() > 2 * far));
     let others: Vec<usize> = (0..n).filter(|&row| alone.is_some() && is_other(row)).map(|row| rows[row]).collect();
     let distance = alone.map_or(0.0, |own| own.shift.norm());
     let unusual = heavy || !others.is_empty();
@@ -235,8 +239,8 @@ impl Second {
         (0..self.parts.len()).filter(|&row| self.parts[row] > 0.5).collect()
     }
 
-    /// Whether one skewed law (4) is as probable as two populations: then the second is the tail of the first.
-    fn is_skewed(&self, z: &DMatrix<f64>) -> bool {
+    /// Whether two populations are more probable than one law (4).
+    fn is_told(&self, z: &DMatrix<f64>) -> bool {
         let distance = self.shift.norm();
         let along: Vec<f64> = (z * &self.shift).iter().map(|t| t / distance).collect();
         let n = along.len() as f64;
@@ -244,22 +248,27 @@ impl Second {
         let (part, spread) = (sum / n, self.spread);
         let normal = |t: f64| (-0.5 * t * t).exp() / std::f64::consts::TAU.sqrt();
         let two = |&t: &f64| ((1.0 - part) * normal(t) + part * normal((t - distance) / spread) / spread).ln();
-        along.iter().map(two).sum::<f64>() < skewed(&along) + BETTER
+        along.iter().map(two).sum::<f64>() > johnson(&along) + BETTER + (self.rows().len() as f64).ln()
     }
 }
 
-/// ln of the largest likelihood of one logarithmic normal law from any least value on (4).
-fn skewed(values: &[f64]) -> f64 {
+/// ln of the largest likelihood of one law (4); γ and δ follow from ξ and η.
+fn johnson(values: &[f64]) -> f64 {
     let n = values.len() as f64;
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let from = |step: i32| {
-        let logs: Vec<f64> = values.iter().map(|x| (x - least + 1.2_f64.powi(step)).ln()).collect();
-        let mean = logs.iter().sum::<f64>() / n;
-        let variance = logs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
-        -0.5 * n * (std::f64::consts::TAU * variance).ln() - 0.5 * n - mean * n
+    let middle = median(values.to_vec());
+    let deviation = mean_sd(values).1;
+    let normal = |sd: f64| -0.5 * n * (std::f64::consts::TAU * sd * sd).ln() - 0.5 * n;
+    let of = |from: f64, scale: f64| {
+        let relative: Vec<f64> = values.iter().map(|t| (t - from) / scale).collect();
+        let bent: Vec<f64> = relative.iter().map(|x| x.asinh()).collect();
+        let slopes: f64 = relative.iter().map(|x| 0.5 * (x * x).ln_1p()).sum();
+        normal(mean_sd(&bent).1) - slopes - n * scale.ln()
     };
-    // From the least value itself to a law that is nearly normal.
-    (-20..=25).map(from).fold(f64::NEG_INFINITY, f64::max)
+    // From tails that begin within a thirtieth of the deviation to a law that is nearly normal.
+    let scales = (-10..=6).map(|step| deviation * (0.5 * f64::from(step)).exp2());
+    let grid = scales.flat_map(|scale| (-12..=12).map(move |step| (f64::from(step) * 0.25, scale)));
+    let each = grid.map(|(step, scale)| of(middle + step * deviation.max(scale), scale));
+    each.fold(normal(deviation), f64::max)
 }
 
 /// The density of (2) along μ relative to that of the first population; none before it.
@@ -271,64 +280,91 @@ fn relative_density(along: f64, distance: f64, spread: f64) -> f64 {
     exponent.min(700.0).exp() / spread
 }
 
-/// The (3) that few of [`SAMPLES`] normal samples of this size exceed.
-fn of_one(rows: usize, coordinates: usize) -> f64 {
-    let sample = |seed: u64| {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let x = DMatrix::from_fn(rows, coordinates, |_, _| StandardNormal.sample(&mut rng));
-        whitened(&x).and_then(|z| Second::of(&z)).map_or(0.0, |own| own.ratio)
-    };
-    let mut ratios: Vec<f64> = (0..SAMPLES).into_par_iter().map(sample).collect();
-    ratios.sort_by(|a, b| b.total_cmp(a));
-    ratios[LARGER]
-}
-
 #[cfg(test)]
 mod tests {
-    use rand_distr::StudentT;
+    use rand::{RngExt as _, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal, StudentT};
 
     use super::*;
 
-    fn table(rows: usize, seed: u64, mut draw: impl FnMut(&mut ChaCha8Rng, usize, usize) -> f64) -> FeatureTable {
+    /// Draws the feature `k` of a row.
+    type Draw = fn(&mut ChaCha8Rng, usize, usize) -> f64;
+
+    fn normal(rng: &mut ChaCha8Rng) -> f64 {
+        StandardNormal.sample(rng)
+    }
+
+    fn table((rows, features): (usize, usize), seed: u64, draw: Draw) -> FeatureTable {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let rows: Vec<DVector<f64>> = (0..rows).map(|row| DVector::from_fn(6, |k, _| draw(&mut rng, row, k))).collect();
+        let row = |row: usize| DVector::from_fn(features, |k, _| draw(&mut rng, row, k));
+        let rows: Vec<DVector<f64>> = (0..rows).map(row).collect();
         let classes = vec![0; rows.len()];
         FeatureTable::exact(rows, classes, vec!["healthy".into()])
     }
 
-    /// Of ten sets, how many have a second population, and how many of the others in it are right and wrong.
-    fn found(draw: impl Fn(&mut ChaCha8Rng, usize, usize) -> f64) -> (usize, usize, usize) {
-        let (mut sets, mut right, mut wrong) = (0, 0, 0);
-        for seed in 1000..1010 {
-            let Some(own) = of(&table(160, seed, &draw)) else { continue };
-            sets += usize::from(!own.others.is_empty());
+    /// Of so many sets, how many lose rows, and how many of these are right and wrong.
+    fn found(size: (usize, usize), sets: u64, draw: Draw) -> (usize, usize, usize) {
+        let (mut lose, mut right, mut wrong) = (0, 0, 0);
+        for seed in 1000..1000 + sets {
+            let Some(own) = of(&table(size, seed, draw)) else { continue };
+            lose += usize::from(!own.others.is_empty());
             right += own.others.iter().filter(|row| **row % 20 == 0).count();
             wrong += own.others.iter().filter(|row| **row % 20 != 0).count();
         }
-        (sets, right, wrong)
+        (lose, right, wrong)
     }
 
     #[test]
-    fn one_row_in_twenty_of_another_population_is_found() {
-        let normal = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };
-        // Eight of 160 rows are five deviations away in one coordinate.
-        let (sets, right, wrong) = found(|rng, row, k| normal(rng) + if row % 20 == 0 && k == 2 { 5.0 } else { 0.0 });
-        // Seven of eight rows of a population at five deviations are nearer to it; at most one in 400 others is.
-        assert!(sets == 10 && right >= 65 && wrong <= 6, "{sets} {right} {wrong}");
-        let (sets, ..) = found(|rng, _, _| normal(rng));
-        // One in a hundred in the mean.
-        assert!(sets <= 1, "{sets}");
+    fn rows_of_another_population_are_left_out() {
+        // Eight of 160 rows are six deviations away in one coordinate of six.
+        let (sets, right, wrong) =
+            found((160, 6), 10, |rng, row, k| normal(rng) + if row % 20 == 0 && k == 2 { 6.0 } else { 0.0 });
+        // At most one row of a set is nearer to the others, and at most one in 400 others is nearer to it.
+        assert!(sets >= 9 && right >= 65 && wrong <= 4, "{sets} {right} {wrong}");
+        // Three of 60 are 20 ± 6 away.
+        let (sets, right, wrong) =
+            found(
+                (60, 4),
+                20,
+                |rng, row, k| if row % 20 == 0 && k == 1 { 20.0 + 6.0 * normal(rng) } else { normal(rng) },
+            );
+        assert!(sets >= 18 && right >= 54 && wrong <= 3, "{sets} {right} {wrong}");
     }
 
     #[test]
-    fn tails_and_skewness_are_not_another_population() {
-        let t3 = StudentT::new(3.0).expect("valid");
-        let (sets, ..) = found(|rng, _, _| t3.sample(rng));
-        assert!(sets <= 2, "{sets}");
-        let (sets, ..) = found(|rng, _, k| {
-            let x: f64 = StandardNormal.sample(rng);
-            if k == 0 { (0.8 * x).exp() } else { x }
-        });
-        assert!(sets <= 2, "{sets}");
+    fn one_population_keeps_its_rows() {
+        const SETS: u64 = 200;
+        let laws: [(&str, Draw); 7] = [
+            ("normal", |rng, _, _| normal(rng)),
+            ("uniform", |rng, _, _| rng.random::<f64>()),
+            ("t of 3", |rng, _, _| StudentT::new(3.0).expect("valid").sample(rng)),
+            ("exponential", |rng, _, _| -(1.0 - rng.random::<f64>()).ln()),
+            ("Gumbel", |rng, _, _| -(-(1.0 - rng.random::<f64>()).ln()).ln()),
+            ("logarithmic normal", |rng, _, _| (0.3 * normal(rng)).exp()),
+            ("skewed", |rng, _, _| (0.8 * normal(rng)).exp()),
+        ];
+        for (name, draw) in laws {
+            for features in [1, 4] {
+                let (sets, right, wrong) = found((60, features), SETS, draw);
+                let lost = (right + wrong) as f64 / SETS as f64;
+                assert!(lost <= 0.5, "{name}, {features} features: {lost} rows of 60, in {sets} of {SETS} sets");
+            }
+        }
+    }
+
+    #[test]
+    fn the_best_law_contains_normal_and_logarithmic_normal_ones() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let logs: Vec<f64> = (0..200).map(|_| 0.6 * normal(&mut rng)).collect();
+        let likelihood = |values: &[f64]| {
+            let sd = mean_sd(values).1;
+            -0.5 * values.len() as f64 * ((std::f64::consts::TAU * sd * sd).ln() + 1.0)
+        };
+        assert!(johnson(&logs) >= likelihood(&logs));
+        let values: Vec<f64> = logs.iter().map(|log| log.exp()).collect();
+        let of_logs = likelihood(&logs) - logs.iter().sum::<f64>();
+        // The grid's steps cost less than a nat.
+        assert!(johnson(&values) > of_logs - 1.0, "{} {of_logs}", johnson(&values));
     }
 }

@@ -3,7 +3,6 @@
 use bearing_watch::model::Covariates;
 use bearing_watch::plan::MAX_COVARIATES;
 use nalgebra::DVector;
-use rayon::prelude::*;
 
 use super::compose::compose;
 use super::contamination::{self, Doubted, Populations};
@@ -12,12 +11,11 @@ use super::directions;
 use super::estimating::{Estimating, estimating};
 use super::left_out::{Estimated, LeftOut};
 use super::novelty::{self, Rows};
-use super::pieces::{cut, spans};
-use super::{Candidates, Explained, FeatureTable, Recipe, Shrink, Sight, Trained, core_features, fit, segment};
+use super::pieces::spans;
+use super::{Candidates, Explained, Recipe, Shrink, Sight, Trained, core_features, fit, segment};
 use crate::Error;
 use crate::core::Parts;
 use crate::core::features::{self, Catalogue};
-use crate::identify::{Estimate, least_squares};
 use crate::trace::labels::LabelledTrace;
 
 /// A training set with the part of the model that estimates, and the features that it estimates.
@@ -58,14 +56,17 @@ impl<'a> Estimates<'a> {
     /// Trains what estimates, and runs it over the traces.
     pub(super) fn of(traces: &'a [LabelledTrace], classes: &'a [String], recipe: &Recipe) -> Result<Self, Error> {
         let (segment, recipe) = segment::resolved(traces, recipe);
-        // The spread of the features depends on the segment length: trains on segments of the detector's length.
-        let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
-        check_classes(&pieces, classes, recipe.alarms.healthy)?;
+        let pieces = |own: &LabelledTrace| match recipe.estimation.segment {
+            Some(_) => spans(own.trace.y.len(), segment).count(),
+            None => 1,
+        };
+        let counts = traces.iter().map(|own| (own.class, pieces(own)));
+        check_classes(counts.collect(), classes, recipe.alarms.healthy)?;
         let Estimating { recipe, parts, interval_s, .. } = estimating(traces, classes, &recipe)?;
         let catalogue = recipe.catalogue();
         // An unknown name is an error before the core runs over all traces.
         places(&catalogue, &recipe)?;
-        let estimated = estimate(traces, (classes, &recipe), (&parts, &catalogue), (&pieces, segment))?;
+        let estimated = estimate(traces, (classes, &recipe), (&parts, &catalogue), segment)?;
         Ok(Self { traces, classes, recipe, parts, catalogue, segment, interval_s, estimated })
     }
 
@@ -199,20 +200,9 @@ fn estimate(
     traces: &[LabelledTrace],
     (classes, recipe): (&[String], &Recipe),
     (parts, catalogue): (&Parts, &Catalogue),
-    (pieces, segment): (&[LabelledTrace], usize),
+    segment: usize,
 ) -> Result<Estimated, Error> {
-    let batch = recipe.estimation.is_batch() && parts.shaft.is_none() && parts.averaged == 0;
-    let (table, origins, reasons) = if batch {
-        let of_trace = |(k, t): (usize, &LabelledTrace)| {
-            let pieces = recipe.estimation.segment.map_or(1, |samples| spans(t.trace.y.len(), samples).count());
-            std::iter::repeat_n(k, pieces)
-        };
-        let origins = traces.iter().enumerate().flat_map(of_trace).collect();
-        let (table, reasons) = batch_features(pieces, classes, catalogue);
-        (table, origins, reasons)
-    } else {
-        core_features::run(traces, classes, (parts, catalogue), segment)?
-    };
+    let (table, origins, reasons) = core_features::run(traces, classes, (parts, catalogue), segment)?;
     let groups = groups(&recipe.validation.groups, traces.len())?;
     let groups = origins.iter().map(|&trace| groups[trace]).collect();
     let candidates = Candidates { table, features: catalogue.names(), groups, covariates: None };
@@ -252,28 +242,9 @@ fn covariate_places(catalogue: &Catalogue, recipe: &Recipe) -> Result<Vec<usize>
     recipe.covariates.iter().map(each).collect()
 }
 
-/// Returns the features by batch least squares, and why a row has none.
-fn batch_features(
-    pieces: &[LabelledTrace],
-    classes: &[String],
-    catalogue: &Catalogue,
-) -> (FeatureTable, Vec<Option<String>>) {
-    let estimates: Vec<Result<Estimate, Error>> =
-        pieces.par_iter().map(|t| least_squares(&t.trace, catalogue.structure)).collect();
-    let count = catalogue.names().len();
-    let row = |estimate: &Result<Estimate, Error>| match estimate {
-        Ok(estimate) => (features::vector(estimate), DVector::zeros(count)),
-        Err(_) => (DVector::zeros(count), DVector::repeat(count, f64::INFINITY)),
-    };
-    let (rows, variances) = estimates.iter().map(row).unzip();
-    let names = classes.to_vec();
-    let (classes, usual) = (pieces.iter().map(|t| t.class).collect(), DVector::zeros(count));
-    let table = FeatureTable { rows, variances, usual, classes, names };
-    (table, estimates.into_iter().map(|estimate| estimate.err().map(|error| error.to_string())).collect())
-}
-
-fn check_classes(traces: &[LabelledTrace], classes: &[String], healthy: Option<usize>) -> Result<(), Error> {
-    if traces.is_empty() {
+/// Refuses a training set without segments, or with too few of a class; of each trace its class and its segments.
+fn check_classes(counts: Vec<(usize, usize)>, classes: &[String], healthy: Option<usize>) -> Result<(), Error> {
+    if counts.iter().all(|(_, segments)| *segments == 0) {
         return Err(Error::Training("the training set is empty; give labelled traces or a wider selection".into()));
     }
     if classes.len() < 2 && healthy.is_none() {
@@ -283,7 +254,7 @@ fn check_classes(traces: &[LabelledTrace], classes: &[String], healthy: Option<u
         )));
     }
     for (class, name) in classes.iter().enumerate() {
-        let count = traces.iter().filter(|t| t.class == class).count();
+        let count: usize = counts.iter().filter(|(own, _)| *own == class).map(|(_, segments)| segments).sum();
         if count < 2 {
             return Err(Error::Training(format!(
                 "class {name} has {count} training trace(s), too few for a spread; give more or leave it out"

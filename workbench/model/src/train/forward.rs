@@ -1,7 +1,8 @@
-//! Validation forward in time: a gate of the first runs judges all later ones.
+//! False alarms of gates that have not seen what they judge: of folds, and forward in time.
 //!
 //! ```text
 //! runs 1 … s ──► fit, gate for the next run ──► healthy segments of the runs s + 1 … k,   s = 2 … k − 1
+//! rows outside a fold ──► fit, gate ──► healthy segments of the fold
 //! ```
 //!
 //! Cross-validation judges each run by runs before and after it, and does not show what a drift does to a gate.
@@ -9,7 +10,7 @@
 use serde_json::{Value, json};
 
 use super::fit::fit;
-use super::folds::check;
+use super::folds::{Candidates, Folds, check};
 use super::novelty::Rows;
 use super::{Explained, Trained, novelty};
 use crate::Error;
@@ -17,6 +18,8 @@ use crate::evaluate::FalseAlarms;
 
 /// Fewest healthy runs for a validation forward in time.
 const LEAST_RUNS: usize = 4;
+/// Most rows of the printed table.
+const MOST_ROWS: usize = 12;
 
 /// The gate of the first runs, judged on all later ones.
 #[derive(Debug)]
@@ -50,7 +53,36 @@ impl Trained {
         let candidates = self.candidates.select(&self.candidates.places(&self.feature_names));
         let (before, after): (Vec<usize>, Vec<usize>) =
             (0..candidates.groups.len()).partition(|&row| candidates.groups[row] < first);
-        let before = candidates.rows(&before);
+        let mut found = FalseAlarms::default();
+        self.judge((&candidates, healthy), (&before, &after), &mut found)?;
+        Ok(found)
+    }
+
+    /// Returns the false alarms of healthy segments, each by a gate without its fold; `None` without a gate.
+    #[must_use]
+    pub fn false_alarms(&self) -> Option<Result<FalseAlarms, Error>> {
+        let healthy = self.watch.gate.as_ref()?.class;
+        let candidates = self.candidates.select(&self.candidates.places(&self.feature_names));
+        let all = || {
+            let folds = Folds::new(&candidates, &self.recipe.validation)?;
+            let mut found = FalseAlarms::default();
+            for fold in 0..folds.count {
+                let (seen, held_out) = folds.split(fold);
+                self.judge((&candidates, healthy), (&seen, &held_out), &mut found)?;
+            }
+            Ok(found)
+        };
+        Some(all())
+    }
+
+    /// Adds the false alarms of a gate of the rows `before` on the healthy ones of `after`.
+    fn judge(
+        &self,
+        (candidates, healthy): (&Candidates, usize),
+        (before, after): (&[usize], &[usize]),
+        found: &mut FalseAlarms,
+    ) -> Result<(), Error> {
+        let before = candidates.rows(before);
         check(&before)?;
         let fitted = fit(&before, &self.recipe)?;
         let fitted_terms = fitted.explained.as_ref().map_or(0, Explained::fitted);
@@ -58,13 +90,13 @@ impl Trained {
         let (table, names) = (&fitted.coordinates, fitted.coordinate_names.as_slice());
         let rows = Rows { table, names, fitted: fitted_terms, rising };
         let gate = novelty::required_gate(rows, self.recipe.runs(&before).as_deref(), &self.recipe.alarms)?;
-        let mut found = FalseAlarms::default();
-        for row in after.into_iter().filter(|&row| candidates.table.classes[row] == healthy) {
-            let (z, variances) = fitted.coordinates_of(&candidates, row);
-            let run = &self.recipe.validation.groups[candidates.groups[row]];
-            found.add(run, gate.is_novel(&z, &variances));
+        for row in after.iter().copied().filter(|&row| candidates.table.classes[row] == healthy) {
+            let (z, variances) = fitted.coordinates_of(candidates, row);
+            let group = candidates.groups[row];
+            let run = self.recipe.validation.groups.get(group).cloned().unwrap_or_else(|| group.to_string());
+            found.add(&run, gate.is_novel(&z, &variances));
         }
-        Ok(found)
+        Ok(())
     }
 }
 
@@ -80,24 +112,30 @@ impl Forward {
 }
 
 impl Forward {
-    /// A line a number of runs; one for all numbers in a row that have the same refusal.
+    /// A table with a row for a number of runs, or for all numbers in a row that have the same refusal; of many numbers
+    /// every n-th.
     #[must_use]
     pub fn lines(all: &[Self]) -> Vec<String> {
         let refusal = |one: &Self| one.later.as_ref().err().map(ToString::to_string);
         let same = |a: &Self, b: &Self| refusal(a).is_some() && refusal(a) == refusal(b);
-        let line = |alike: &[Self]| match alike {
-            [first, .., last] => first.line(&format!(" to {}", last.seen)),
-            _ => alike.iter().map(|one| one.line("")).collect(),
-        };
-        all.chunk_by(same).map(line).collect()
+        let alike: Vec<&[Self]> = all.chunk_by(same).collect();
+        let step = alike.len().div_ceil(MOST_ROWS).max(1);
+        let every =
+            if step > 1 { format!(" (every {step}-th row of {}; --json has all)", alike.len()) } else { String::new() };
+        let title = format!("forward in time, gates of the first runs on later ones{every}:");
+        let shown = alike.iter().enumerate().filter(|(k, _)| k % step == 0 || k + 1 == alike.len());
+        let rows =
+            shown.filter_map(|(_, own)| Some((own.first()?, own.last()?))).map(|(one, last)| one.line(last.seen));
+        (!all.is_empty()).then_some(title).into_iter().chain(rows).collect()
     }
 
-    fn line(&self, until: &str) -> String {
-        let start = format!("forward in time, first {}{until} runs: ", self.seen);
-        match &self.later {
-            Ok(found) => format!("{start}false alarms later {found}"),
-            Err(reason) => format!("{start}no gate, {reason}"),
-        }
+    fn line(&self, until: usize) -> String {
+        let runs = if until > self.seen { format!("{} to {until}", self.seen) } else { self.seen.to_string() };
+        let found = match &self.later {
+            Ok(found) => found.summary(),
+            Err(reason) => format!("no gate, {reason}"),
+        };
+        format!("  {runs:>10} runs  {found}")
     }
 }
 
@@ -117,11 +155,24 @@ mod tests {
         ];
         let all: Vec<Forward> = (2..).zip(later).map(|(seen, later)| Forward { seen, later }).collect();
         let lines = Forward::lines(&all);
-        let starts =
-            ["2 to 3 runs: no gate, no spall", "4 runs: no gate, few runs", "5 runs: false alarms", "6 runs: no"];
-        assert_eq!(lines.len(), starts.len());
-        for (line, start) in lines.iter().zip(starts) {
-            assert!(line.starts_with(&format!("forward in time, first {start}")), "{line}");
+        let starts = [
+            "2 to 3 runs  no gate, no spall",
+            "4 runs  no gate, few runs",
+            "5 runs  0 of 0",
+            "6 runs  no gate, no spall",
+        ];
+        assert_eq!(lines.len(), starts.len() + 1);
+        for (line, start) in lines[1..].iter().zip(starts) {
+            assert!(line.trim_start().starts_with(start), "{line}");
         }
+    }
+
+    #[test]
+    fn many_numbers_of_runs_are_a_short_table() {
+        let all: Vec<Forward> = (2..334).map(|seen| Forward { seen, later: Ok(FalseAlarms::default()) }).collect();
+        let lines = Forward::lines(&all);
+        assert!(lines.len() <= MOST_ROWS + 2 && lines[0].contains("every 28-th row of 332"), "{lines:?}");
+        assert!(lines[1].contains(" 2 runs") && lines[lines.len() - 1].contains(" 333 runs"), "{lines:?}");
+        assert_eq!(Forward::lines(&[]), Vec::<String>::new());
     }
 }

@@ -85,7 +85,6 @@ pub use forward::Forward;
 pub use left_out::LeftOut;
 pub use matrix::{Matrix, RowClassifier, RowGate};
 pub use novelty::{ACCEPTABLE, AlarmInterval, Alarms, Watch};
-pub use pieces::cut;
 pub use projection::{Keep, ProjectionKind};
 pub use ranking::{Gain, Ranked, Ranking, rank};
 pub use recipe::Recipe;
