@@ -49,7 +49,8 @@
 //!
 //! A model with directions has [`Runs`] in the place of (1) … (4): the means of runs in each direction, relative to
 //! this drive, and an alarm that names the direction. Its score of the novelty is that of falls: s of (1) is then the
-//! surprise of the rarest fall ([`crate::model::Fall`]), which contains the part of falls in the false alarms.
+//! surprise of the rarest fall ([`crate::model::Fall`]), which contains the part of falls in the false alarms, and a
+//! segment without a fall has the e-value 0.
 //!
 //! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
 //! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
@@ -224,8 +225,11 @@ impl<P: Plan> Evidence<P> {
         if self.runs.are_used() {
             self.runs.add(decision.directed());
             let Fall { surprise, coordinate } = decision.fall;
-            self.novelty.add((ln(bet) + (1.0 - bet) * surprise).min(cap)); // (1)
-            self.fallen = if surprise > 0.0 { Some(coordinate) } else { self.fallen };
+            // Without a fall the e-value is zero.
+            if surprise > 0.0 {
+                self.novelty.add((ln(bet) + (1.0 - bet) * surprise).min(cap)); // (1)
+                self.fallen = Some(coordinate);
+            }
         } else {
             self.novelty.add((ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
             self.weigh_defects(healthy, decision);

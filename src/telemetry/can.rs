@@ -33,8 +33,7 @@
 //! Reason           16     5     1        of an undetermined verdict, else 0
 //! Undetermined     21     3     1        number of undetermined segments, which wraps
 //! Place            24     8     1        part, parameter, term, channel, covariate, error or kernel of the reason
-//! Alarm            32     8     1        0 none, 1 unknown cause, 2 + k class k, 128 + k coordinate k has risen, 192 + k
-//!                                        it has fallen
+//! Alarm            32     8     1        0 none, 1 unknown, 2 + k class k, 128 + k coordinate k risen, 192 + k fallen
 //! Deviations       40     8  0.25  sd    by how much the coordinate of the alarm has risen; 63.75 or more
 //! Usable           48     7     1  %     share of the segment's samples that are usable rows
 //! Silent           55     1     1        no segment has had a verdict for too long

@@ -112,6 +112,7 @@ mod tests {
             (None, [0, 0, 0, 0, 0, 0]),
             (at(Cause::Class(2)), [1, 2, 4, 3, 2, 1]),
             (at(Cause::Unknown), [2, 0, 4, 3, 2, 1]),
+            (at(Cause::Fallen(3)), [4, 3, 4, 3, 2, 1]),
         ];
         for (alarm, bytes) in alarms {
             let mut buffer = [0xA5; 6];
@@ -125,6 +126,6 @@ mod tests {
     fn numbers_without_a_meaning_are_refused() {
         let code = |verdict, detail, place| VerdictCode { verdict, detail, place, rows: 0 }.verdict();
         assert_eq!([code(4, 0, 0), code(3, 0, 0), code(3, 11, 0)], [None; 3]);
-        assert_eq!(AlarmCode { alarm: 4, cause: 0, segment: 0 }.alarm(), None);
+        assert_eq!(AlarmCode { alarm: 5, cause: 0, segment: 0 }.alarm(), None);
     }
 }

@@ -73,7 +73,8 @@ impl<P: Plan> Evidence<P> {
         self.main = self.main_of([take()?, take()?, take()?, take()?])?;
         self.fallen = match take()? {
             0 => None,
-            place => Some(u8::try_from(place.wrapping_sub(1)).ok()?),
+            place if self.runs.are_used() => Some(u8::try_from(place.wrapping_sub(1)).ok()?),
+            _ => return None,
         };
         self.runs.restore(take, self.segments)?;
         self.is_plausible().then_some(())
@@ -142,7 +143,7 @@ impl<P: Plan> Evidence<P> {
             let weighed = good(score, open && !directed) && *support <= 0.0 && *support >= lowest;
             weighed && (!healthy || (*score == Score::ZERO && *support >= 0.0))
         });
-        let novelty = good(&self.novelty, open) && (!open || self.novelty.run.is_finite());
+        let novelty = good(&self.novelty, open) && (!open || directed || self.novelty.run.is_finite());
         novelty && defects_good && (self.run < segments_a_run || self.run == 0) && (runs > 0 || !open)
     }
 }

@@ -1,7 +1,7 @@
 use super::scores::normal_score;
 use super::*;
 use crate::alarm::evidence::{Alarm, Cause, Evidence, EvidenceConstants};
-use crate::decide::Decision;
+use crate::decide::{Decision, Fall};
 use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
 use std::vec;
 use std::vec::Vec;
@@ -103,6 +103,25 @@ fn a_long_run_speaks_before_it_ends() {
     // But no run alone.
     let mut evidence = evidence_of(vec![DIRECTION], 1.645, 1000);
     assert!((0..900).all(|_| evidence.observe(Some(&decision(&[50.0]))).is_none()));
+}
+
+#[test]
+fn falls_of_two_runs_raise_an_alarm_of_their_own() {
+    let fallen = |surprise: f32| Decision { fall: Fall { surprise, coordinate: 3 }, ..decision(&[0.0]) };
+    let of_run = |evidence: &mut Evidence<RunTime>, surprise: f32| {
+        for _ in 0..RUN {
+            evidence.observe(Some(&fallen(surprise)));
+        }
+        evidence.end_run().map(|alarm| alarm.cause)
+    };
+    let mut evidence = evidence_of(vec![DIRECTION], 1.645, 100);
+    let causes = [0.0, 30.0, 30.0].map(|surprise| of_run(&mut evidence, surprise));
+    assert_eq!(causes, [None, None, Some(Cause::Fallen(3))]);
+    assert_eq!(evidence.main_contribution(), None);
+    // A run between them without a fall starts afresh, and a fall as rare as one in twenty is none.
+    let mut evidence = evidence_of(vec![DIRECTION], 1.645, 100);
+    assert_eq!([30.0, 0.0, 30.0, 0.0].map(|surprise| of_run(&mut evidence, surprise)), [None; 4]);
+    assert_eq!((0..100).find_map(|_| of_run(&mut evidence, 0.5)), None);
 }
 
 #[test]

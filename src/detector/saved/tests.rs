@@ -67,12 +67,12 @@ const MAIN: usize = SCORES + 4 * (2 + 3 * 2 + 3);
 fn header_and_counts_are_where_the_format_has_them() {
     let model = model();
     let bytes = saved(&model);
-    assert_eq!(bytes.len(), MAIN + 4 * 5 + 4);
+    assert_eq!(bytes.len(), MAIN + 4 * 6 + 4);
     let [i0, i1, i2, i3] = model.id().to_le_bytes();
-    assert_eq!(bytes[..HEAD], [b'B', b'W', b'S', b'T', 4, 0, 0, 0, 21, 0, 0, 0, i0, i1, i2, i3]);
+    assert_eq!(bytes[..HEAD], [b'B', b'W', b'S', b'T', 4, 0, 0, 0, 22, 0, 0, 0, i0, i1, i2, i3]);
     assert_eq!(bytes[HEAD..HEAD + 8], [5, 0, 0, 0, 2, 0, 0, 0], "segments, and those without a verdict");
     assert_eq!(bytes, checked(&bytes[..bytes.len() - 4]));
-    assert_eq!(bytes[MAIN..MAIN + 20], [0; 20], "no directions");
+    assert_eq!(bytes[MAIN..MAIN + 24], [0; 24], "no directions");
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn numbers_that_no_segments_leave_are_refused() {
     let model = model();
     let bytes = saved(&model);
     assert_eq!(refusal(&model, &with(&bytes, SCORES + 3, 0xBF)), StateError::Value, "a negative score");
-    for place in MAIN..MAIN + 20 {
+    for place in MAIN..MAIN + 24 {
         assert_eq!(refusal(&model, &with(&bytes, place, 1)), StateError::Value, "{place}: without directions");
     }
 }

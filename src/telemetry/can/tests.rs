@@ -52,12 +52,14 @@ fn numbers_of_verdicts_and_causes_come_back() {
         assert_eq!(frame(1, SegmentFrame::verdict_number(verdict), 0, 0).unwrap().verdict(), verdict);
     }
     let read = |cause| SegmentFrame { bits: ALARM.bits(SegmentFrame::alarm_number(cause)) }.alarm();
-    let causes = (0..=125).map(Cause::Class).chain((0..=127).map(Cause::Coordinate)).chain([Cause::Unknown]);
+    let causes = (0..=125).map(Cause::Class).chain((0..=63).map(Cause::Coordinate));
+    let causes = causes.chain((0..=63).map(Cause::Fallen)).chain([Cause::Unknown]);
     for cause in causes.map(Some).chain([None]) {
         assert_eq!(read(cause), cause);
     }
     assert_eq!(read(Some(Cause::Class(255))), Some(Cause::Class(125)), "the last number");
-    assert_eq!(read(Some(Cause::Coordinate(255))), Some(Cause::Coordinate(127)));
+    assert_eq!(read(Some(Cause::Coordinate(255))), Some(Cause::Coordinate(63)));
+    assert_eq!(read(Some(Cause::Fallen(255))), Some(Cause::Fallen(63)));
     assert_eq!(SegmentFrame::verdict_number(Verdict::Class(255)), 255);
 }
 
