@@ -95,7 +95,7 @@
 
 // Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
 // `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.
-#define BW_FRONT_END_SIZE 3328
+#define BW_FRONT_END_SIZE 3584
 
 // Bytes of memory that are enough for `bw_calibration_init`, aligned to `BW_STATE_ALIGN` bytes.
 #define BW_CALIBRATION_SIZE 128
@@ -700,7 +700,9 @@ typedef struct BwAlarm {
   BwReason silent_reason;
   // Whether the alarm names what has risen above what is usual for this drive.
   bool risen;
-  // The coordinate that has risen, a place in `BW_MODEL_COORDINATE_NAMES`.
+  // Whether the alarm names what has fallen below it: the load or a sensor, and no bearing defect.
+  bool fallen;
+  // The coordinate that has risen or fallen, a place in `BW_MODEL_COORDINATE_NAMES`.
   uint8_t coordinate;
   // By how many standard deviations of runs.
   float deviations;
