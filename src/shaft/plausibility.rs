@@ -3,7 +3,7 @@
 //! ```text
 //! v = 1 + (p/n − 1)/(1 − ρ),   e = k σ/(|n| (1 − ρ)),   ρ = σ² σ₀²/(prior² s²)   (1)
 //! refused:   v + e < min(1/√2, 1 − w)   or   v − e > max(√2, 1 + w),   w = prior/|n|                      (2)
-//! refused:   r outside 1/√2 … √2   or   |r − 1| > 0.1 + 3 s_r                                           (3)
+//! refused:   r outside 1/√2 … √2   or   |r − 1| > 0.06 + 3 s_r                                          (3)
 //! refused:   s > 5 σ₀   and   2 R/(1 − c) > E + R                                                       (4)
 //! refused:   |v − 1| > 0.1   and   |v − 1| > 3/5 e + w   for 1/Kt                                       (5)
 //! refused:   the angle stands while the velocity turns, or in all samples while s > 2 σ₀                (6)
@@ -15,7 +15,7 @@
 //! wrong. √2 is the geometric mean of 1 and 2, the errors of a right signal and of one at half or double the sampling
 //! rate; the prior is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. If the
 //! ratio r of velocity and angle with its deviation s_r ([`TravelSums`](crate::signal::TravelSums)) is wrong, so is the
-//! velocity, whatever the balance. An offset of the velocity is at most 1/12 of it (3). R is the sum of
+//! velocity, whatever the balance. An offset of one deviation of its noise is at most 1/12 of the slowest velocity (3). R is the sum of
 //! squares of the residual, E that of the current which the terms explain, and c the part of the rows that the terms
 //! fit by chance. A current that was transformed at another angle than that of the rotor (pole pairs, phase order,
 //! electrical offset) follows neither motion nor load, while a defect adds friction, which the terms explain, and
@@ -52,6 +52,8 @@ const DEVIATIONS: f32 = 5.0;
 /// Deviations of a healthy residual, for (4), and of a shaft that rests, for (6).
 const UNUSUAL: f32 = 5.0;
 const ALIVE: f32 = 2.0;
+/// The error of the velocity (3) that its offset may be, besides three deviations.
+const VELOCITY_OFF: f32 = 0.06;
 /// The limits of (5): twice what a magnet of the field loses, and deviations of the estimate.
 const OFF: f32 = 0.1;
 const OFF_DEVIATIONS: f32 = 3.0;
@@ -128,7 +130,7 @@ pub fn of_motion(travel: &TravelSums, interval_s: f32, usage: &Usage) -> Option<
     if ratio < 0.0 {
         return Some(VelocitySign);
     }
-    let within = (ratio - 1.0).abs() <= OFF + OFF_DEVIATIONS * travel.deviation(interval_s);
+    let within = (ratio - 1.0).abs() <= VELOCITY_OFF + OFF_DEVIATIONS * travel.deviation(interval_s);
     (!within || !(LOW..=HIGH).contains(&ratio)).then_some(VelocityScale) // (3)
 }
 
@@ -217,8 +219,8 @@ mod tests {
         let of = |sums: &TravelSums| of_motion(sums, 1.0, &Usage::default());
         let of_ratio = |ratio: f32| of(&travelled(100, |_| ratio));
         assert_eq!(of(&TravelSums::default()), None);
-        assert_eq!([1.0, 0.901, 1.099].map(of_ratio), [None; 3]);
-        assert_eq!([0.899, 1.101, 0.7153, 0.5, 2.0].map(of_ratio), [Some(VelocityScale); 5]);
+        assert_eq!([1.0, 0.941, 1.059].map(of_ratio), [None; 3]);
+        assert_eq!([0.939, 1.061, 0.7153, 0.5, 2.0].map(of_ratio), [Some(VelocityScale); 5]);
         assert_eq!([-1.0, f32::NAN].map(of_ratio), [Some(VelocitySign), Some(VelocityScale)]);
         // 100 blocks of 0.72 ± 1 have a deviation of 0.1: only beyond √2 nothing explains them.
         let scattered = |ratio: f32| of(&travelled(100, |k| ratio + if k % 2 == 0 { 1.0 } else { -1.0 }));

@@ -36,8 +36,8 @@ const STREAM: [(&str, Fault); 10] = [
     ("rows lost without numbers, 1 %", |rows| without(rows, 10)),
     ("rows lost without numbers, 10 %", |rows| without(rows, 100)),
     ("velocity × 0.7153", |rows| each(rows, |_, row| row.velocity_rad_s *= 0.7153)),
-    ("velocity × 0.88", |rows| each(rows, |_, row| row.velocity_rad_s *= 0.88)),
-    ("velocity × 1.12", |rows| each(rows, |_, row| row.velocity_rad_s *= 1.12)),
+    ("velocity × 0.9", |rows| each(rows, |_, row| row.velocity_rad_s *= 0.9)),
+    ("velocity × 1.1", |rows| each(rows, |_, row| row.velocity_rad_s *= 1.1)),
     ("velocity reversed", |rows| each(rows, |_, row| row.velocity_rad_s = -row.velocity_rad_s)),
 ];
 
