@@ -15,8 +15,6 @@ use model::session::description;
 
 Means, covariances, projection, discriminant, and the spread of runs or drives are functions of sums: they are those \
 of `train` on the same segments. Different are:
-  - the features are always those of the core in single precision; `train` takes plain least squares in double \
-precision;
   - the tails of the gate's law come from a second pass over the parts (skipped by --one-pass); sums alone leave their \
 prior probabilities, and the gate is a little further out;
   - errors of features enter as the mean excess over the usual ones of the plan, by class, not by segment;

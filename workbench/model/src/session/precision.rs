@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use crate::identify::Structure;
     use crate::trace::Trace;
-    use crate::train::{Recipe, train};
+    use crate::train::{Alarms, Recipe, train};
 
     /// Two classes on a level, in deviations of the output.
     fn on(level: f64) -> Option<String> {
@@ -141,6 +141,28 @@ mod tests {
         let recipe = Recipe { features, ..Recipe::new(Structure::new(1, 1, 0, 1, 1)) };
         let trained = train(&traces, &["a".into(), "b".into()], &recipe).expect("a model");
         doubt(&trained, &traces)
+    }
+
+    #[test]
+    fn a_system_without_noise_is_judged_as_trained() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let mut trace = |k: usize| {
+            let u1: Vec<f64> = (0..600).map(|_| StandardNormal.sample(&mut rng)).collect();
+            let mut y = vec![0.0; u1.len()];
+            (1..y.len()).for_each(|row| y[row] = 0.9 * y[row - 1] + 0.1 * u1[row - 1]);
+            let trace = Trace { id: k.to_string(), u2: vec![0.0; y.len()], y, u1, ..Trace::default() };
+            LabelledTrace { trace, class: 0 }
+        };
+        let traces: Vec<LabelledTrace> = (0..60).map(&mut trace).collect();
+        let alarms = Alarms { healthy: Some(0), false_alarm: 0.01, ..Alarms::default() };
+        let recipe = Recipe { alarms, features: vec!["a1".into()], ..Recipe::new(Structure::new(1, 1, 0, 1, 1)) };
+        let mut trained = train(&traces, &["healthy".into()], &recipe).expect("a model");
+        agree(&trained, &traces).expect("the features of training are those of the core");
+        // A gate that is trained on other features than the core has is refused, and the feature named.
+        trained.coordinates.rows.iter_mut().for_each(|row| *row *= 1e3);
+        trained.raw.rows.iter_mut().for_each(|row| *row *= 1e3);
+        let told = agree(&trained, &traces).expect_err("other features").to_string();
+        assert!(told.contains("a1 is ") && told.contains("novel, and the trained gate"), "{told}");
     }
 
     #[test]

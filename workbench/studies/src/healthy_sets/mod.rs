@@ -132,6 +132,9 @@ mod tests {
         let detected = |name: &str| found(name).detected.expect("judged").value;
         let clean = detected("normal");
         assert!((0.6..0.85).contains(&clean), "{clean}");
-        assert!(detected("contaminated-8") > 0.8 * clean && detected("contaminated-4") > 0.8 * clean);
+        assert!(detected("contaminated-8") > 0.8 * clean);
+        // At four deviations one row in twenty is the tail of one skewed law: the gate says that it is further out.
+        let told = found("contaminated-4").words.as_ref().expect("a doubt");
+        assert!(told.contains("further out") || told.contains("another population"), "{told}");
     }
 }
