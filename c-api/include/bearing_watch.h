@@ -95,7 +95,7 @@
 
 // Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
 // `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.
-#define BW_FRONT_END_SIZE 3584
+#define BW_FRONT_END_SIZE 3328
 
 // Bytes of memory that are enough for `bw_calibration_init`, aligned to `BW_STATE_ALIGN` bytes.
 #define BW_CALIBRATION_SIZE 128
@@ -318,7 +318,9 @@ enum BwReason
   BW_REASON_OTHER = 11,
   // The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the
   // sign of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current,
-  // 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate.
+  // 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate; 10
+  // the current follows neither motion nor load; 11 the torque constant; 12 the rate by a clock; 13 the angle is
+  // stuck, 14 it makes steps; 15 the wiring is not decided yet, 16 it is wrong.
   // 255: what this interface does not know.
   BW_REASON_IMPLAUSIBLE = 12,
   // The processor does not compute as the host does where the detector runs; `place` is 0 for the rounding, 1 for

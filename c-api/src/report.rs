@@ -54,7 +54,9 @@ pub enum BwReason {
     Other = 11,
     /// The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the
     /// sign of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current,
-    /// 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate.
+    /// 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate; 10
+    /// the current follows neither motion nor load; 11 the torque constant; 12 the rate by a clock; 13 the angle is
+    /// stuck, 14 it makes steps; 15 the wiring is not decided yet, 16 it is wrong.
     /// 255: what this interface does not know.
     Implausible = 12,
     /// The processor does not compute as the host does where the detector runs; `place` is 0 for the rounding, 1 for

@@ -57,7 +57,7 @@ fn a_unit_that_flushes_to_zero_is_told_in_words() {
 fn no_verdict_comes_of_exchanged_phases() {
     let Some(right) = prints("actuator", "right") else { return };
     // BW_ALIGNMENT_ALIGNED, and a reason of the signals at most: they are not those of the model.
-    assert!(right.starts_with("6 reports, 0 lost, alignment 1, ") && !right.contains("reason 12 14"), "{right}");
+    assert!(right.starts_with("6 reports, 0 lost, alignment 1, ") && !right.contains("reason 12 16"), "{right}");
     let exchanged = prints("actuator", "exchanged").expect("a compiler");
-    assert_eq!(exchanged, "6 reports, 0 lost, alignment 2, reason 12 14\n", "BW_REASON_IMPLAUSIBLE, wiring");
+    assert_eq!(exchanged, "6 reports, 0 lost, alignment 2, reason 12 16\n", "BW_REASON_IMPLAUSIBLE, wiring");
 }

@@ -34,7 +34,7 @@ fn codes_have_the_names_of_the_header() {
 #[test]
 fn verdicts_and_reasons_have_texts_of_their_own() {
     type Name = extern "C" fn(i32) -> *const c_char;
-    let lists: [(&str, Name, usize); 2] = [("BW_VERDICT_", bw_verdict_name, 4), ("BW_REASON_", bw_reason_name, 16)];
+    let lists: [(&str, Name, usize); 2] = [("BW_VERDICT_", bw_verdict_name, 4), ("BW_REASON_", bw_reason_name, 17)];
     for (prefix, name, number) in lists {
         let texts: BTreeSet<&str> = constants(prefix).iter().map(|(_, value)| text(name(*value))).collect();
         assert_eq!(texts.len(), number, "{texts:?}");

@@ -172,7 +172,7 @@ fn a_model_that_is_too_large_is_refused() {
     // The header and the layout of such a model, with a good checksum: the layout alone decides.
     let regression = [layout.channels, 0];
     let shaft = [1, 0, 0xFF, 1, 0xFF, 0xFF, 0xFF, 7, 1];
-    let rest = [0, 0, 1, 0, 1, 0, 1, 0];
+    let rest = [0, 0, 1, 0, 1, 0, 0, 1, 0];
     let payload = [&regression[..], &shaft, &rest].concat();
     let mut bytes =
         [b"BWMD".as_slice(), &FILE[4..8], &(payload.len() as u32).to_le_bytes(), &[0; 4], &payload].concat();
@@ -281,7 +281,7 @@ fn results_need_a_good_place() {
         assert_eq!(bw_values(state, 0, null_mut(), 8, number), BwCode::Null);
         assert_eq!(bw_values(state, 0, at, 8, null_mut()), BwCode::Null);
         assert_eq!(bw_values(state, 0, at.wrapping_byte_add(1), 1, number), BwCode::Misaligned);
-        assert_eq!([bw_values(state, -1, at, 8, number), bw_values(state, 15, at, 8, number)], [BwCode::OutOfRange; 2]);
+        assert_eq!([bw_values(state, -1, at, 8, number), bw_values(state, 16, at, 8, number)], [BwCode::OutOfRange; 2]);
         assert_eq!(
             (bw_values(state, BwValues::Parameters as i32, at, 2, number), *number),
             (BwCode::BufferTooSmall, 5)

@@ -33,7 +33,7 @@ use sample::{BwCleanSample, BwRawSample, read};
 
 /// Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
 /// `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.
-pub const BW_FRONT_END_SIZE: usize = 3584;
+pub const BW_FRONT_END_SIZE: usize = 3328;
 
 const _: () = assert!(size_of::<BwFrontEnd>() <= BW_FRONT_END_SIZE || cfg!(bearing_watch_front_end));
 
