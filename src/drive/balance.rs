@@ -273,7 +273,11 @@ impl CurrentBalance {
         self.imbalance =
             self.judge(n, measured.is_some()).or_else(|| self.shifted()).or_else(|| self.misaligned(power, n));
         if self.imbalance.is_some() {
-            self.last_imbalance = self.imbalance;
+            // A window with less current may name a level or a half wave with less detail.
+            let is_named = matches!(self.last_imbalance, Some(Imbalance::Clipped(_) | Imbalance::HalfWave(_)));
+            if !is_named || !matches!(self.imbalance, Some(Imbalance::Gain { .. } | Imbalance::Unnamed)) {
+                self.last_imbalance = self.imbalance;
+            }
             self.unbalanced_windows = self.unbalanced_windows.saturating_add(1);
         }
         (self.sums, self.count, self.octants) = (Sums::default(), 0, 0);

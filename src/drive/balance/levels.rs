@@ -27,8 +27,9 @@ const GAIN: f32 = 0.05;
 struct Reach {
     measured: [f32; 2],
     by_others: [f32; 2],
-    /// Currents below are small, and Σ i_x², Σ s i_x of these.
+    /// Currents below are small; their number, Σ i_x² and Σ s i_x.
     small: f32,
+    count: f32,
     square: f32,
     product: f32,
 }
@@ -51,6 +52,7 @@ impl Levels {
             largest(&mut reach.measured, x);
             largest(&mut reach.by_others, x - s); // (1)
             if x.abs() < reach.small {
+                reach.count += 1.0;
                 reach.square += x * x;
                 reach.product += s * x;
             }
@@ -64,7 +66,9 @@ impl Levels {
             for (measured, others) in reach.measured.iter().zip(reach.by_others) {
                 let lacks = others - measured - (NOISE * noise_a).max(PART * others);
                 let half = *measured < NO_CURRENT * others;
-                let is_gain = !(reach.product.abs() <= GAIN * reach.square && reach.square > 0.0);
+                // The noise of the own sensor is σ²/3 of the products.
+                let most = GAIN * reach.square + reach.count * noise_a * noise_a / 3.0;
+                let is_gain = !(reach.product.abs() <= most && reach.square > 0.0);
                 if lacks > found.0 && (half || !is_gain) {
                     found = (lacks, Some(if half { Imbalance::HalfWave(phase) } else { Imbalance::Clipped(phase) }));
                 }
