@@ -220,7 +220,7 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     require!(all_within(&balance.nominal, -1e12, 1e12), BalanceNominal);
     require!(all_within(&balance.prior, 1e-12, 1e12) && all_within(&[balance.deviation], 1e-9, 1e9), BalancePrior);
     // Written so that one that is not a number is refused.
-    require!(balance.largest_change_rad > 0.0, LargestChange);
+    require!(balance.largest_change_rad > 0.0 && balance.largest_change_rad <= f32::INFINITY, LargestChange);
     require_length!(orders.len(), layout.orders as usize, BearingOrder);
     let mut rest = orders;
     while let [order, later @ ..] = rest {

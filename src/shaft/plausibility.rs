@@ -14,7 +14,7 @@
 //! ones. (1) removes the contribution of the prior to p: a tight prior would keep p near n although the signals are
 //! wrong. √2 is the geometric mean of 1 and 2, the errors of a right signal and of one at half or double the sampling
 //! rate; the prior is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. If the
-//! ratio r of velocity and angle with its deviation s_r ([`TravelSums`](crate::signal::TravelSums)) is wrong, so is the
+//! ratio r of velocity and angle with its deviation `s_r` ([`TravelSums`](crate::signal::TravelSums)) is wrong, so is the
 //! velocity, whatever the balance. An offset of one deviation of its noise is at most 1/12 of the slowest velocity (3). R is the sum of
 //! squares of the residual, E that of the current which the terms explain, and c the part of the rows that the terms
 //! fit by chance. A current that was transformed at another angle than that of the rotor (pole pairs, phase order,

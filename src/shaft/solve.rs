@@ -2,6 +2,7 @@
 
 use super::balance::Estimated;
 use super::orders::{NoiseLine, OrderStrength, Search, SlipRange};
+use super::plausibility;
 use super::state::{ShaftConstants, ShaftEstimate, ShaftSums, Usage};
 use crate::plan::{Cells, Plan};
 use crate::reason::{Part, Reason};
@@ -64,15 +65,11 @@ impl ShaftSolve {
                     (estimate.friction_reason, estimate.orders_reason) = (Some(reason), Some(reason));
                     return true;
                 }
-                if sums.balance.is_at_rest(&constants.balance, load) {
-                    estimate.friction_reason = Some(Reason::AtRest);
-                    self.next = Step::Noise;
-                    return false;
-                }
                 match self.estimated.solve(&constants.balance, load, &mut sums.balance) {
                     Ok(()) => Step::Covariance,
                     Err(reason) => {
-                        estimate.friction_reason = Some(reason);
+                        let rests = sums.balance.is_at_rest(&constants.balance, load);
+                        estimate.friction_reason = Some(if rests { Reason::AtRest } else { reason });
                         Step::Noise
                     }
                 }
@@ -84,8 +81,14 @@ impl ShaftSolve {
             Step::Friction => {
                 match self.estimated.friction(&constants.balance, load, sums.balance.rows) {
                     Ok(friction) => {
-                        (estimate.friction, estimate.friction_reason) = (friction, None);
-                        estimate.opposed = !load && self.estimated.is_opposed(&constants.balance, sums.balance.rows);
+                        estimate.stuck = plausibility::is_stuck(&constants.balance, &friction, &sums.usage);
+                        if sums.balance.is_at_rest(&constants.balance, load) {
+                            estimate.friction_reason = Some(Reason::AtRest);
+                        } else {
+                            (estimate.friction, estimate.friction_reason) = (friction, None);
+                            let rows = sums.balance.rows;
+                            estimate.opposed = !load && self.estimated.is_opposed(&constants.balance, rows);
+                        }
                     }
                     Err(reason) => estimate.friction_reason = Some(reason),
                 }

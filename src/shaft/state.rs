@@ -48,6 +48,8 @@ pub struct ShaftEstimate<P: Plan> {
     pub velocity_ratio: Option<f32>,
     /// Whether the torque balance without a load has the opposite sign.
     pub(super) opposed: bool,
+    /// Whether the current changes while the angle never does.
+    pub(super) stuck: bool,
 }
 
 impl<P: Plan> ShaftEstimate<P> {
@@ -62,6 +64,7 @@ impl<P: Plan> ShaftEstimate<P> {
             usable: 0.0,
             velocity_ratio: None,
             opposed: false,
+            stuck: false,
         }
     }
 
@@ -76,8 +79,7 @@ impl<P: Plan> ShaftEstimate<P> {
         let interval_s = constants.balance.interval_s;
         self.velocity_ratio = sums.travel.ratio(interval_s);
         let friction = self.friction_reason.is_none().then_some(&self.friction);
-        let stuck = |friction| plausibility::is_stuck(&constants.balance, friction, &sums.usage);
-        if plan.layout().needs_angle() && (sums.travel.stands() || friction.is_some_and(stuck)) {
+        if plan.layout().needs_angle() && (sums.travel.stands() || self.stuck) {
             return Some(Implausible::StuckAngle);
         }
         plausibility::of_motion(&sums.travel, interval_s, &sums.usage).or_else(|| {

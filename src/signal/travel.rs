@@ -153,7 +153,7 @@ mod tests {
         // Of the rounding of sums of 250 blocks.
         assert!(exact.deviation(INTERVAL_S) < 1e-3, "{}", exact.deviation(INTERVAL_S));
         // Blocks of 16 samples, 1/8 turn, with a velocity 20 % too high or too low in turn: 0.2/√n of n = 254 blocks.
-        let scattered = |k: u32, _: f32| (50.0, if (k / 16) % 2 == 0 { 60.0 } else { 40.0 });
+        let scattered = |k: u32, _: f32| (50.0, if (k / 16).is_multiple_of(2) { 60.0 } else { 40.0 });
         let deviation = sums(4000, 0.0, scattered).deviation(INTERVAL_S);
         assert!((deviation * 254.0_f32.sqrt() / 0.2 - 1.0).abs() < 0.02, "{deviation}");
         assert!(TravelSums::default().deviation(INTERVAL_S).is_nan());

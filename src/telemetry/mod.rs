@@ -48,8 +48,9 @@
 //!                    distance f32, distance_surprise f32, surprise f32, score f32,
 //!                    alarm u8, cause u8, segment u32 (of the alarm), undetermined u32, rows u32,
 //!                    rejected u32, saturated u32, downweighted u32, resting u32, stuck u16, refused u8,
-//!                    classes u8, features u8, orders u8;
-//!                    posterior f32 of each class, value f32 of each feature, score f32 of each order;
+//!                    classes u8, features u8, orders u8, rising u8, most u8 (255: none), falls u8 (0 or 1);
+//!                    posterior f32 of each class, value f32 of each feature, score f32 of each order,
+//!                    smallest f32 of each rising coordinate;
 //!                    0, or of the alarm by a direction 1 and [direction u8, deviations f32, score f32, since u32];
 //!                    directions u8, of each [coordinate u8, deviations f32, score f32, since u32]
 //! kind 2    samples  first u32, channels u8, angle u8;
@@ -61,8 +62,8 @@
 //!
 //! Little-endian. The fields are those of postcard 1 with integers of fixed width, so that no length is stored twice.
 //! `healthy` is 1 and the place of the class, or a single 0 without one. Texts are UTF-8 and end in a zero byte. A
-//! missing feature is NaN, and the place of the feature of a coordinate that is a combination is 255. Kinds of features are those of [`Feature`](crate::model::Feature) in its order in the binary
-//! model; verdicts and reasons have the codes of `codes.rs`. Deviations, score and since are those of a
+//! missing feature is NaN, and the place of the feature of a coordinate that is a combination is 255. Kinds of features
+//! are those of [`Feature`](crate::model::Feature) in its order in the binary model; verdicts and reasons have the codes of `codes.rs`. Deviations, score and since are those of a
 //! [`Contribution`](crate::alarm::Contribution).
 //!
 //! Any change of this list raises the version; a decoder counts frames of another version as unknown.

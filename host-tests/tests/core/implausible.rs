@@ -172,7 +172,7 @@ fn rows_that_are_lost_without_numbers_are_named_or_counted() {
                 let kept = |(k, _): &(usize, &Motion)| super::drive_faults::scattered(*k as u32) % 1000 >= a_thousand;
                 run(&model, &motions.iter().enumerate().filter(kept).map(|(_, motion)| *motion).collect::<Vec<_>>())
             };
-            let reports = [0, 1, 10, 100].map(|a_thousand| lossy(a_thousand));
+            let reports = [0, 1, 10, 100].map(lossy);
             let found: Vec<_> = reports.iter().map(|own| (refusal(own), own.counts.rejected)).collect();
             println!("{name}, {kind:?}: {found:?}");
             assert_eq!(found[0], (None, 0), "{name}, {kind:?}");

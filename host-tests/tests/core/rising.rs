@@ -1,5 +1,6 @@
-//! The gate of features that only rise with a defect: set rates, power, and single against double precision.
+//! The gate of features that rise with a defect: set rates, power, and single against double precision.
 
+use bearing_watch::model::Departure;
 use model::train::FeatureTable;
 use model::train::novelty::{Gate, gate_of_rising};
 use nalgebra::{DMatrix, DVector};
@@ -73,8 +74,10 @@ fn check_power(draws: u64) {
     let [[up, _], [down, _], [either, _]] =
         [(1, 3.0), (1, -3.0), (0, 3.0)].map(|(rising, shift)| novel(draws, (rising, HEALTHY, None), (Z - 1, shift)));
     println!("three standard deviations: up {up:.3}, down {down:.3}, by the distance {either:.3}");
-    // With known moments: Φ(3 − 2.57) = 0.67 by itself, P(χ²(5, 9) > 15.1) = 0.37 by the distance.
-    assert!((0.55..0.72).contains(&up) && down < 0.01 && (0.25..0.4).contains(&either), "{up} {down} {either}");
+    // With known moments: Φ(3 − 2.59) = 0.66 by itself, P(χ²(5, 9) > 15.1) = 0.37 by the distance. A fall has a tenth of
+    // a rise's share of the false alarms: Φ(3 − 3.30) = 0.38.
+    let power = (0.55..0.72).contains(&up) && (0.22..0.42).contains(&down) && (0.25..0.4).contains(&either);
+    assert!(power, "{up} {down} {either}");
 }
 
 #[test]
@@ -84,7 +87,7 @@ fn set_rates_hold_in_the_mean_short() {
 }
 
 #[test]
-fn a_feature_that_rises_is_found_and_one_that_falls_is_not_short() {
+fn a_feature_that_rises_is_found_more_often_than_one_that_falls_short() {
     check_power(SHORT);
 }
 
@@ -103,7 +106,7 @@ fn set_rates_hold_in_the_mean_long() {
 
 #[test]
 #[ignore = "minutes of statistics"]
-fn a_feature_that_rises_is_found_and_one_that_falls_is_not_long() {
+fn a_feature_that_rises_is_found_more_often_than_one_that_falls_long() {
     check_power(LONG);
 }
 
@@ -117,11 +120,14 @@ fn single_precision_follows_double() {
             let mut z = row(None, &mut random) * 2.0;
             let missing: Vec<f32> = (0..Z).map(|i| if (k >> i) & 1 == 1 { f32::INFINITY } else { 0.0 }).collect();
             z[Z - 1] += f64::from(k % 7);
-            let found = f64::from(novelty.judge(z.map(|x| x as f32).as_slice(), &missing).surprise);
+            let Departure { surprise, most, .. } = novelty.judge(z.map(|x| x as f32).as_slice(), &missing);
+            let found = f64::from(surprise);
             let variances = DVector::from_iterator(Z, missing.iter().map(|v| f64::from(*v)));
             let expected = gate.surprise(&z, &variances).expect("regular");
-            // Lines between the knots, 2 % each of two surprises.
-            assert!((found - expected).abs() < 0.03 * expected.max(1.0), "{rising} {k}: {found} for {expected}");
+            // Lines between the knots, 2 % each of two surprises. The law of falls is that of rises on a scale that is
+            // right at the limit only; skewed by the draw, the two differ elsewhere.
+            let within = if most.is_some_and(|most| most.falls) { 0.15 } else { 0.03 };
+            assert!((found - expected).abs() < within * expected.max(1.0), "{rising} {k}: {found} for {expected}");
         }
     }
 }

@@ -1,13 +1,13 @@
-//! Reports say which direction has risen, by how much and since when; those of version 1 are read, too.
+//! Reports say which direction has risen, by how much and since when.
 
 #[path = "../../../target-tests/examples/support/directed.rs"]
 mod directed;
 #[path = "../../../target-tests/examples/support/directed_reports.rs"]
 mod directed_reports;
 
+use bearing_watch::Cause;
 use bearing_watch::alarm::Contribution;
-use bearing_watch::telemetry::{Body, Decoder, Encoder, Frame, LinkCounts, Source};
-use bearing_watch::{Cause, Verdict};
+use bearing_watch::telemetry::{Body, Decoder, Encoder, Frame, Source};
 
 use crate::telemetry::law;
 
@@ -47,24 +47,4 @@ fn contributions_arrive_as_the_evidence_has_them() {
     assert_eq!((alarm.cause, risen.direction, risen.since), (Cause::Coordinate(2), 2, before));
     // Two runs, as one is never enough.
     assert!(alarm.segment == before + 2 * directed_reports::RUN && risen.deviations > 5.0, "{alarm:?} {risen:?}");
-}
-
-/// The first report of `examples/telemetry.rs`, as an encoder of version 1 made it.
-const OLD: &str = "080101b8e3e2507e0101020101010101010101010101010101010101010101010101010101010101010101010101010386\
-                   130101010101010101010101010101010101010101030305010107803f1227b007010101193afb74be3a0beabd7803\
-                   153a98bd984024a234c08a1fbea600";
-
-#[test]
-fn a_report_of_version_1_is_read_without_contributions() {
-    let digits = OLD.as_bytes().chunks(2).map(|pair| std::str::from_utf8(pair).expect("digits"));
-    let bytes: Vec<u8> = digits.map(|pair| u8::from_str_radix(pair, 16).expect("digits")).collect();
-    let (mut decoder, mut found) = (Decoder::<512>::new(), 0);
-    receive(&mut decoder, &bytes, &mut |frame| {
-        let Body::Report(summary) = frame.body else { panic!("{frame:?}") };
-        assert_eq!((summary.segment, summary.rows, summary.verdict), (1, 4998, Verdict::Class(0)));
-        assert_eq!((summary.posteriors.len(), summary.features.len()), (3, 5));
-        assert!(summary.risen.is_none() && summary.contributions.is_empty());
-        found += 1;
-    });
-    assert_eq!((found, decoder.counts()), (1, LinkCounts { frames: 1, ..LinkCounts::default() }));
 }

@@ -241,9 +241,10 @@ fn lasting_offsets_keep_the_hours_and_large_defects_their_delays() {
 #[ignore = "minutes of statistics"]
 fn lasting_offsets_of_the_documents() {
     println!("<!-- generated: cargo xtask docs lasting -->\n```text");
+    let [row, least, below, worst, median] = ["", "ρ ≤", "drives below 1000 h", "worst", "median"];
     println!(
-        "{:<34} {}  {:<19} {:>6}  {:>6}  runs until the alarm, median / 90 %, {} deviations",
-        "", "ρ ≤", "drives below 1000 h", "worst", "median", "32, 16, 8, 4"
+        "{row:<34} {least}  {below:<19} {worst:>6}  {median:>6}  runs until the alarm, median / 90 %, 32, 16, 8, 4 \
+         deviations"
     );
     for (name, case) in CASES {
         let found = all(case, JUDGED[0]);

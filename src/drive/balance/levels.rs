@@ -6,9 +6,9 @@
 //! level:  max(±r) > max(±i_x) + w,   w = max(6 σ, max(±r)/10)                                            (2)
 //! ```
 //!
-//! A gain that is too small looks alike, but is as wrong where the current is small: below half of what it reached in both
-//! directions in the window before, the ratio of Σ s i_x and Σ i_x² is its error. A level says more than that the currents do not sum
-//! to zero; it is only asked for where they do not.
+//! A gain that is too small looks alike, but is as wrong where the current is small: below half of what it reached in
+//! both directions in the window before, the ratio of `Σ s i_x` and `Σ i_x²` is its error. A level says more than that
+//! the currents do not sum to zero; it is only looked for where they do not.
 
 use super::{Imbalance, Phase};
 use crate::signal::Abc;
@@ -27,7 +27,7 @@ const GAIN: f32 = 0.05;
 struct Reach {
     measured: [f32; 2],
     by_others: [f32; 2],
-    /// Currents below are small; their number, Σ i_x² and Σ s i_x.
+    /// Currents below are small; their number, `Σ i_x²` and `Σ s i_x`.
     small: f32,
     count: f32,
     square: f32,

@@ -13,7 +13,7 @@
 //!
 //! (1) is the score of [`super::slip`] as a function of the cube root of the prominence: a = 2/(9ν), u its usual mean,
 //! v its variance, b the uncertainty of the noise. ρ is the amplitude |A| of the defect over the deviation `σ_c` of the
-//! noise at the order. (3): blocks of a defect are A W with the phases of its angle, so that R(h, d) = |A_h|² V(d).
+//! noise at the order. (3): blocks of a defect are A W with the phases of its angle, so that R(h, d) = `|A_h|²` V(d).
 //! The harmonics of pulses of a tenth to half of a period have the powers q = 1, ½, ¼ of the first one. (4) is the
 //! mean of the cube root of a noncentral χ² (Abdel-Aty 1954). A record of more turns has larger V and W, and so shows
 //! a smaller defect; where the shaft hardly turned none does.

@@ -149,8 +149,8 @@ impl Search {
             score: law.score(prominence),
             smallest: smallest_relative * libm::sqrtf(self.variance),
             smallest_relative,
-            // Written so that a value that is not a number shows nothing.
-            unseen: !(smallest_relative <= order.most_relative),
+            // A value that is not a number shows nothing.
+            unseen: smallest_relative > order.most_relative || smallest_relative.is_nan(),
             amplitude: 2.0 * libm::sqrtf(power), // (8)
             deviation: 2.0 * libm::sqrtf(self.variance / total),
             slip: self.slip,

@@ -49,7 +49,9 @@ pub const SOURCES: [Source; 28] = [
         workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
     }),
     slow("delay", Tolerance::Exact, |_| workbench("campaign --field --delay --draws 1", "delay", "docs/alarm.md")),
-    slow("lasting", Tolerance::Exact, |_| printed(("system", "lasting"), "docs/alarm.md", "lasting::lasting_offsets_of")),
+    slow("lasting", Tolerance::Exact, |_| {
+        printed(("system", "lasting"), "docs/alarm.md", "lasting::lasting_offsets_of")
+    }),
     slow("growth", Tolerance::Exact, |_| {
         workbench("campaign --field --growth --draws 1 --only field-sine", "growth", "docs/alarm.md")
     }),

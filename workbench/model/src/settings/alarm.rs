@@ -131,8 +131,7 @@ impl Alarm {
             return Err(Error::Usage("a false-alarm rate needs a healthy class; name it by --healthy".into()));
         }
         let acceptable = self.acceptable.unwrap_or(ACCEPTABLE);
-        // Written so that NaN is refused.
-        if !(acceptable > 1.0) {
+        if acceptable <= 1.0 || acceptable.is_nan() {
             return Err(Error::Usage(format!(
                 "--acceptable {acceptable}: a multiple above 1 of the usual smallest defect"
             )));

@@ -66,7 +66,8 @@ where
     let mut late = Vec::new();
     for row in (0..rows).filter(|row| is_sampled(file, recorded, times_s, *row)) {
         let raw = raw_sample(file, recorded, further, times_s, row);
-        let Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late, .. }) = front_end.push(&raw) else {
+        let Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late, .. }) = front_end.push(&raw)
+        else {
             continue;
         };
         if found_late {
