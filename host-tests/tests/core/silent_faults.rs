@@ -454,7 +454,10 @@ fn rows_that_come_twice_are_found_by_a_clock() {
 fn every_row_of_the_book_names_tests_that_exist() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let page = fs::read_to_string(root.join("../book/src/faults.md")).expect("the page");
-    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| fault ")).collect();
+    // Generated tables are compared with the test that prints them.
+    let by_hand = page.split("## What a segment says").next().unwrap_or_default();
+    let rows: Vec<&str> =
+        by_hand.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| fault ")).collect();
     assert!(rows.len() >= 15, "{}", rows.len());
     for row in rows {
         let cell = row.trim_end_matches(" |").rsplit(" | ").next().unwrap_or_default();
