@@ -9,7 +9,7 @@
 //! ```
 //!
 //! p and σ are those of the rows alone, without the prior of p, which would draw the friction of a defect towards that
-//! of healthy drives ([`Balance::without_prior`]). Where the rows determine it less than its prior does, the feature is
+//! of healthy drives ([`Balance::without_prior`]). Where the rows say nothing of it beside its prior, the feature is
 //! missing, and so is an order that the shaft has turned too little for. No deviation is known of the other features, and a score is already
 //! relative to its deviation: v = 0. The logarithm (1) suits a friction that varies by a factor between drives. Below
 //! its standard deviation a value does not differ from zero; it counts as σ, with v = 1. A missing feature has an
@@ -22,13 +22,11 @@ use crate::logarithm::ln_of_level;
 use crate::plan::{Layout, Plan};
 use crate::reason::{FrictionTerm, Obstacle, Reason};
 use crate::regression::estimate::Estimate;
-use crate::shaft::{Balance, ShaftEstimate};
+use crate::shaft::{Balance, LEAST_FROM_ROWS, ShaftEstimate};
 use crate::signal::average::Average;
 
 /// Smaller amplitudes count as this value, A.
 const LEAST_AMPLITUDE: f32 = 1e-6;
-/// Part of the information on a friction that must come from the rows, and not from its prior.
-const LEAST_PART: f32 = 0.5;
 
 /// The results of a segment that features come from: regression, shaft with the constants of its balance, averages of
 /// channels.
@@ -181,7 +179,7 @@ fn unseen<P: Plan>(feature: Feature, shaft: Option<&ShaftEstimate<P>>, balance: 
     let shaft = shaft?;
     match feature {
         Feature::Friction(term) | Feature::FrictionScore(term) | Feature::LogFriction(term) => {
-            let known = balance?.part_of_rows(&shaft.friction, term) >= LEAST_PART;
+            let known = balance?.part_of_rows(&shaft.friction, term) >= LEAST_FROM_ROWS;
             (!known).then_some(Reason::TermNotExcited(term))
         }
         Feature::OrderScore(place) | Feature::LogOrderAmplitude(place) => {
@@ -290,8 +288,9 @@ mod tests {
         let half = viscous(0.708, &shaft).unwrap();
         // c = 1 − 0.25/0.708² = 0.50125.
         assert!((half.value - 4.994_97).abs() < 1e-4 && (half.variance - 0.498_75).abs() < 1e-4, "{half:?}");
-        // A little more of the prior, and the rows say less than it.
-        assert_eq!(viscous(0.706, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Viscous)));
+        // c is 0.018, and 0.014: the rows say nothing.
+        assert!(viscous(0.504_5, &shaft).is_ok());
+        assert_eq!(viscous(0.503_5, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Viscous)));
         // The drag at 20 rad/s of priors of 0.1: (20² + 1² + 1/26²) 0.01 = 4.01.
         shaft.friction.drag = Parameter { value: 4.0, deviation: 1.41, score: 0.0 };
         let drag = |deviation: f32| {
@@ -305,7 +304,8 @@ mod tests {
             };
             Feature::Friction(FrictionTerm::Drag).value(plan(), (None, Some((&shaft, &balance)), &[]))
         };
-        assert!(drag(1.0).is_ok() && drag(1.02).is_err());
+        // 1.41² · 1.4² of 4.01 is 97 %, and that of 1.42 all.
+        assert!(drag(1.4).is_ok() && drag(1.42).is_err());
     }
 
     #[test]

@@ -61,6 +61,7 @@ impl<P: Plan> Projection<P> {
     }
 
     /// The feature that alone has a weight in coordinate `k`, above 0; `None` if the coordinate is another combination.
+    #[cfg(any(test, feature = "telemetry"))]
     pub(crate) fn feature(&self, k: usize) -> Option<u8> {
         let (place, weight) = self.only(k)?;
         if weight > 0.0 { u8::try_from(place).ok() } else { None }

@@ -39,7 +39,7 @@ pub use orders::{Bearing, OrderStrength};
 pub use rotor::{RotorChange, RotorLimits, RotorLine, RotorMap, RotorSettings, RotorTable};
 pub use state::ShaftEstimate;
 
-pub(crate) use balance::{Balance, StateVariable};
+pub(crate) use balance::{Balance, LEAST_FROM_ROWS, StateVariable};
 pub(crate) use delays::{Lags, MAX_LAG};
 pub(crate) use orders::{Blocks, MAX_BLOCKS, TrackedOrder, least_steps};
 pub(crate) use solve::ShaftSolve;

@@ -52,7 +52,7 @@ const ROWS_A_REFRESH: u8 = 16;
 /// Mean square of the filtered sign of a shaft that is at rest.
 const AT_REST: f32 = 0.04;
 /// Least c of (5): a smaller one consists of rounding errors.
-const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
+pub const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
 /// The terms of (1) in a plan without a load.
 const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
 const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];

@@ -75,6 +75,11 @@ pub(super) const TRAIN: Form = Form {
         ("shrinkage", "object?", "The shrinkage of the covariances that was chosen"),
         ("held_out", "object?", "Confusion matrix and rates on the traces of --test-where"),
         ("cross_validated", "object?", "Error and scores of the cross-validation"),
+        (
+            "cross_validated_false_alarms",
+            "object?",
+            "Healthy segments that models trained without their runs call novel",
+        ),
         ("forward", "array", "Cross-validated error, if each run is judged by those before it"),
         ("ranking", "object?", "The ranking of the features, with --rank"),
         ("automatic", "object?", "Why these features, if the program chose them"),
@@ -140,6 +145,8 @@ pub(super) const REPLAY: Form = Form {
         ("score", "number?", "Evidence so far, nats"),
         ("alarm", "object?", "Segment and cause of the alarm, once it is raised"),
         ("run", "array?", "After the last segment of a run: deviations and score of each direction of the alarm"),
+        ("most", "object?", "The coordinate that departs most from the healthy class, and whether it is too low"),
+        ("smallest_found", "array", "The smallest amplitude or change of each defect that this segment would show"),
         ("growth", "object?", "Size in the direction of the alarm, its slope, and the time left, with 90 % intervals"),
         (
             "life",

@@ -302,8 +302,8 @@ fn value(
         "covariates_out_of_range": outside,
         "posteriors": named(&segment.posteriors),
         "log_likelihoods": named(&segment.log_likelihoods),
-        "distance": segment.distance,
-        "surprise": segment.surprise,
+        "distance": segment.verdict.is_ok().then_some(segment.distance),
+        "surprise": segment.verdict.is_ok().then_some(segment.surprise),
         "score": watched.score,
         "alarm": watched.alarm.map(|alarm| json!({
             "segment": alarm.segment,

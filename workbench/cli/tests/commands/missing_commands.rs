@@ -90,19 +90,18 @@ fn dropped_and_empty_rows_give_the_same_model_and_verdicts_near_those_of_all_row
         (&0.into(), &lost.into(), &lost.into())
     );
     // Around a missing sample the residual of the shaft pauses, which costs 15 % of the distance. Rows that are taken
-    // as if none were missing jump in angle and time, which costs 70 %.
+    // as if none were missing jump in angle and time: their angle contradicts the velocity, and there is no verdict.
     let uniform = |k: usize, line: &str| {
         let (_, cells) = line.split_once(',').expect("cells");
         Some(format!("{:.3},{cells}", 0.002 * k as f64))
     };
     copy(&dir.join("other_dropped"), &dir.join("other_joined"), &uniform);
-    let ratio = |found: &Value| {
-        let sum = |own: &Value| distances(own).iter().sum::<f64>();
-        sum(found) / sum(&all)
-    };
-    let (filled, joined) = (ratio(&some), ratio(&replay("_joined", "").0));
-    println!("distance with 1 % of rows missing {filled:.3}, joined {joined:.3}, of that of all rows");
-    assert!((0.8..0.95).contains(&filled) && (0.1..0.5).contains(&joined), "{filled} {joined}");
+    let sum = |own: &Value| distances(own).iter().sum::<f64>();
+    let filled = sum(&some) / sum(&all);
+    println!("distance with 1 % of rows missing {filled:.3} of that of all rows");
+    assert!((0.8..0.95).contains(&filled), "{filled}");
+    let joined = replay("_joined", "").0;
+    assert!(joined.as_array().expect("a list").iter().all(|own| own["verdict"] == "undetermined"), "{joined}");
     let novel = |own: &Value| own.as_array().expect("a list").iter().filter(|one| one["verdict"] == "novel").count();
     assert_eq!((novel(&all), novel(&some)), (10, 10));
     let evaluated = json(dir, "evaluate --model m.bwm --labels train_dropped/labels.csv --json");

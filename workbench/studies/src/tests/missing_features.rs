@@ -16,6 +16,8 @@ use rig::{Condition, Defect, DefectKind};
 const COUNT: usize = 12;
 
 const TURNING: f64 = 40.0;
+/// So slow that a ball passes the spall once or twice in a record.
+const CREEPING: f64 = 2.0;
 const AT_REST: f64 = 0.0;
 
 /// Healthy and spalled records; the third healthy one runs at this speed throughout.
@@ -72,30 +74,31 @@ fn a_record_at_constant_speed_has_friction_with_large_errors() {
 }
 
 #[test]
-fn a_record_at_rest_lacks_its_orders_only() {
-    let trained = trained(AT_REST, &["viscous", "drag_score", "order_outer"]);
+fn a_creeping_record_lacks_its_orders_and_what_only_motion_tells() {
+    let trained = trained(CREEPING, &["viscous", "drag_score", "order_outer"]);
     assert_eq!((trained.left_out.count, trained.left_out.summary()), (0, None));
     let missing = |row: usize| trained.raw.variances[row].map(|v| !v.is_finite());
-    assert_eq!(missing(2).as_slice(), [false, false, true]);
+    // All of its current is that of drag: the part that grows with velocity does not show.
+    assert_eq!(missing(2).as_slice(), [true, false, true]);
     assert!((0..2 * COUNT).all(|row| row == 2 || !missing(row).iter().any(|missing| *missing)));
     let model = trained.embed().expect("embeds");
-    let (traces, _) = set(AT_REST);
-    let resting = &model.run(&traces[2].trace)[0];
-    assert!(resting.verdict.is_ok() && resting.surprise.is_finite(), "{:?}", resting.verdict);
-    assert_eq!(resting.missing.len(), 1, "{:?}", resting.missing);
+    let (traces, _) = set(CREEPING);
+    let creeping = &model.run(&traces[2].trace)[0];
+    assert!(creeping.verdict.is_ok() && creeping.surprise.is_finite(), "{:?}", creeping.verdict);
+    assert_eq!(creeping.missing.len(), 2, "{:?}", creeping.missing);
     assert!(model.run(&traces[0].trace)[0].missing.is_empty());
 }
 
 #[test]
 fn scores_ranking_and_report_bear_missing_values() {
-    let trained = trained(AT_REST, &["viscous", "drag_score", "order_outer"]);
+    let trained = trained(CREEPING, &["viscous", "drag_score", "order_outer"]);
     let scores = trained.cross_validated().expect("folds");
     finite(&scores.to_json());
     assert!(scores.error < 0.2, "{scores:?}");
     let ranking = trained.rank().expect("ranks");
     finite(&ranking.to_json()["features"]);
     assert!(!format!("{ranking}").contains("NaN"), "{ranking}");
-    let (traces, _) = set(AT_REST);
+    let (traces, _) = set(CREEPING);
     let examples = [(&traces[0].trace, 0), (&traces[2].trace, 0)];
     let worth = Worth { ranking: Some(&ranking), cross_validated: Some(Ok(&scores)), ..Worth::default() };
     let page = training(&trained, &Channels::new("y", "u1", "u2"), &examples, worth).expect("a page");

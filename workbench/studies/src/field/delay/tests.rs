@@ -85,6 +85,8 @@ fn decided(decision: &Decision<RunTime>, list: &[Direction], record: &Record) ->
         })
     };
     let mut decision = decision.clone();
+    // The directions alone are compared.
+    decision.fall = Default::default();
     decision.set_directed(&record.iter().zip(list).map(value).collect::<Vec<_>>());
     decision
 }

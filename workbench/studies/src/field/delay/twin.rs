@@ -5,7 +5,8 @@
 //! reference  û = Q/Λ,  r = û + q/√Λ;   at first Λ = 1/U,  Q = c/U                                        (2)
 //! score      a = δ s₀/s,  s₀² = P + W/n₀,   ζ = (x − r − ρ b′)/s,   z = WH(ζ; γ),   ℓ = min(a z − a²/2, cap)  (3)
 //! sequence   T = max(S, ln min(n, n₀)) + ℓ  after each record,   S ← max(0, T)  at the end of the run    (4)
-//! alarm      where T ≥ limit, at the end of a run or after n₀ records                                    (5)
+//! alarm      where T ≥ limit, at the end of a run or after n₀ records; names the largest T, an order with
+//!            T ≥ limit/2 before friction                                                                 (5)
 //! learning   at the end of a run, while m < M and T is below half of the limit: Λ ← Λ + h²/s²,  Q ← Q + h y/s²  (6)
 //! offset     b = ρ b′ + (P/s) min(max(ζ, −4), 4),   P′ ← P (1 − P/s²);   y − h r = x − r − ρ b′ for any r      (7)
 //! ```
@@ -86,12 +87,12 @@ impl<'a> Twin<'a> {
         raised
     }
 
-    /// The highest score, and its direction.
+    /// The highest score, and the direction that an alarm names.
     fn observe(&mut self, record: &Record) -> (f64, usize) {
         self.run += 1.0;
         let usual = self.constants.usual;
         let floor = self.run.min(usual).ln();
-        let mut highest = (f64::NEG_INFINITY, 0);
+        let (mut highest, mut named) = (f64::NEG_INFINITY, (0, (false, f64::NEG_INFINITY, 0.0)));
         for (place, (state, (direction, value))) in
             self.states.iter_mut().zip(self.constants.list.iter().zip(record)).enumerate()
         {
@@ -102,12 +103,15 @@ impl<'a> Twin<'a> {
             let ratios = state.ratios(direction, usual);
             for (k, ratio) in ratios.into_iter().enumerate() {
                 state.now[k] = state.kept[k].max(floor) + ratio.min(self.cap);
-                if state.now[k] > highest.0 {
-                    highest = (state.now[k], place);
-                }
+            }
+            let top = state.now.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            highest = highest.max(top);
+            let rank = (direction.order && top >= 0.5 * self.limit, top, state.deviations(direction));
+            if rank > named.1 {
+                named = (place, rank);
             }
         }
-        highest
+        (highest, named.0)
     }
 
     fn end_run(&mut self) {
@@ -150,6 +154,15 @@ impl State {
             self.precision += h * h / variance;
             self.weighted += h * y / variance;
         }
+    }
+
+    /// (x − û)/s, which decides between directions of the same score.
+    fn deviations(&self, direction: &Direction) -> f64 {
+        if self.weight <= 0.0 {
+            return 0.0;
+        }
+        let variance = direction.levels.run + direction.levels.record / self.weight;
+        (self.sum / self.weight - self.weighted / self.precision) / variance.sqrt()
     }
 
     /// (3) of each bet without the cap.
