@@ -230,11 +230,15 @@ impl<P: Plan> Shaft<P> {
         let moment = if !good {
             self.lose(velocity.is_none());
             last
-        } else if self.steps(&mut sums.usage, sample.angle().since(last.angle), velocity.is_none()) {
+        } else if self.changes(sample.angle().since(last.angle))
+            && self.step_found(&mut sums.usage, sample.angle().since(last.angle), velocity.is_none(), {
+                let largest_a = last.torques.current_a.abs().max(read(current, sample).abs());
+                accelerated_rad(&constants.balance, layout.is_halved(), largest_a)
+            })
+        {
             Moment { angle: sample.angle(), ..last }
         } else {
-            let interval_s = constants.balance.interval_s;
-            let interval_s = if layout.is_halved() { 0.5 * interval_s } else { interval_s };
+            let interval_s = sample_interval_s(&constants.balance, layout.is_halved());
             let velocity_rad_s = match velocity {
                 Some(velocity) => read(velocity, sample),
                 None => self.mean_velocity_rad_s(interval_s, sample.angle(), &last),
@@ -338,22 +342,23 @@ impl<P: Plan> Shaft<P> {
         (turned_rad + libm::rintf(turns) * TAU) / passed_s
     }
 
-    /// Takes the motion since the last sample; whether it has changed by more than any motor changes it.
+    /// Takes the motion since the last sample; whether it has changed by more than the motor of training changes it.
     #[inline(always)]
-    fn steps(&mut self, usage: &mut Usage, turned: i32, differenced: bool) -> bool {
-        if turned.wrapping_sub(self.motion).unsigned_abs() > self.largest_change {
-            return self.step_found(usage, turned, differenced);
+    fn changes(&mut self, turned: i32) -> bool {
+        let changes = turned.wrapping_sub(self.motion).unsigned_abs() > self.largest_change;
+        if !changes {
+            self.motion = turned;
         }
-        self.motion = turned;
-        false
+        changes
     }
 
-    /// Refuses the sample of a step, with those that its motion reaches. A motion that stays is one of the shaft, and
-    /// the first one behind lost samples is that of several.
+    /// Refuses the sample of a step, with those that its motion reaches. A change that the present current explains is
+    /// none, a motion that stays is one of the shaft, and the first one behind lost samples is that of several.
     #[cold]
     #[inline(never)]
-    fn step_found(&mut self, usage: &mut Usage, turned: i32, differenced: bool) -> bool {
-        let stays = core::mem::take(&mut self.stepped) && self.spoilt > 0;
+    fn step_found(&mut self, usage: &mut Usage, turned: i32, differenced: bool, accelerated_rad: f32) -> bool {
+        let accelerated = turned.wrapping_sub(self.motion).unsigned_abs() <= counts(accelerated_rad);
+        let stays = core::mem::take(&mut self.stepped) && self.spoilt > 0 || accelerated;
         if self.filling > 0 || stays {
             self.motion = turned;
         }
@@ -466,6 +471,17 @@ impl<P: Plan> Shaft<P> {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive, and `as` saturates")]
 fn counts(angle_rad: f32) -> u32 {
     (angle_rad / RAD_A_COUNT) as u32
+}
+
+/// The interval of the samples, of which the shaft may take each second one.
+fn sample_interval_s(balance: &Balance, halved: bool) -> f32 {
+    if halved { 0.5 * balance.interval_s } else { balance.interval_s }
+}
+
+/// Twice the change of the motion in a sample by which this current accelerates the nominal inertia, rad.
+fn accelerated_rad(balance: &Balance, halved: bool, current_a: f32) -> f32 {
+    let interval_s = sample_interval_s(balance, halved);
+    2.0 * current_a * interval_s * interval_s / balance.nominal[0].abs()
 }
 
 /// Steps until all that is read of the ring is measured, and the step that starts the filters: 8 samples of the longest

@@ -135,6 +135,10 @@ const CHANGES: [Change; 6] = [
 fn a_segment_in_which_nothing_was_looked_at_has_no_verdict() {
     for (condition, model) in [("mix", &*LOADED), ("no-load-sensor", &*UNLOADED)] {
         for (name, change) in CHANGES {
+            // Without a load sensor nothing says how much current a motion needs.
+            if (condition, name) == ("no-load-sensor", "no power") {
+                continue;
+            }
             for mut recording in healthy(condition, 4) {
                 let mut noise = NoiseSource::new(recording.seed, Stream::CurrentNoise);
                 change(&mut recording.trace, &mut noise);

@@ -90,9 +90,9 @@ fn inject(dir: &Path, (cause, part): (&str, f64)) {
     }
 }
 
-/// Trains m.bwm, m.h and m.rs on sixteen runs of four healthy records of a rig.
-fn train(dir: &Path, rig: &str) {
-    succeed(dir, &format!("simulate {rig} --class healthy --count 64 --seed 21 --out train"));
+/// Trains m.bwm, m.h and m.rs on so many runs of four healthy records of a rig.
+fn train(dir: &Path, rig: &str, runs: u32) {
+    succeed(dir, &format!("simulate {rig} --class healthy --count {} --seed 21 --out train", 4 * runs));
     succeed(dir, &format!("simulate {rig} --class healthy --count 10 --seed 322 --out healthy"));
     let labels = dir.join("train/labels.csv");
     let text = std::fs::read_to_string(&labels).expect("labels");
@@ -211,10 +211,10 @@ fn exported(dir: &Path) {
 }
 
 /// Reads every door of a rig; each of the seven causes has nine names.
-fn oracle(rig: &str, load_friction: f64) {
+fn oracle(rig: &str, load_friction: f64, runs: u32) {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
-    train(dir, rig);
+    train(dir, rig, runs);
     exported(dir);
     let model = Model::<RunTime>::from_bytes(&std::fs::read(dir.join("m.bwm")).expect("a model")).expect("a model");
     let directions = &model.constants().classifier.novelty.directions.list;
@@ -237,15 +237,17 @@ fn oracle(rig: &str, load_friction: f64) {
 
 #[test]
 fn causes_on_the_motor_have_their_names_in_every_door() {
-    oracle("--condition mix", 0.02);
+    oracle("--condition mix", 0.02, 16);
 }
 
 #[test]
 fn causes_in_the_field_have_their_names_in_every_door() {
-    oracle("--condition field-any", 0.2);
+    oracle("--condition field-any", 0.2, 16);
 }
 
 #[test]
 fn causes_on_the_actuator_have_their_names_in_every_door() {
-    oracle("--rig ema --condition mix", 0.05);
+    // A line at the cage order raises all orders. Of 16 runs the deviation of runs at the cage is known too badly to
+    // tell them apart.
+    oracle("--rig ema --condition mix", 0.05, 48);
 }

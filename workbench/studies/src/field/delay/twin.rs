@@ -16,6 +16,9 @@
 use model::train::Watch as Constants;
 use model::train::directions::{BETS, Direction, Directions, MARGIN, MOST_RUNS};
 
+/// Values of a smaller skewness are their own scores.
+const NORMAL: f64 = 0.05;
+
 /// Value and excess variance of each direction in a record; `None` where a coordinate is missing.
 pub(super) type Record = Vec<Option<[f64; 2]>>;
 
@@ -106,7 +109,9 @@ impl<'a> Twin<'a> {
             }
             let top = state.now.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             highest = highest.max(top);
-            let rank = (direction.order && top >= 0.5 * self.limit, top, state.deviations(direction));
+            // Scores at the cap are equal, but for rounding.
+            let rounded = (top * 1e4).round();
+            let rank = (direction.order && top >= 0.5 * self.limit, rounded, state.deviations(direction));
             if rank > named.1 {
                 named = (place, rank);
             }
@@ -180,6 +185,9 @@ impl State {
 }
 
 fn normal_score(t: f64, skewness: f64) -> f64 {
+    if skewness < NORMAL {
+        return t;
+    }
     6.0 / skewness * ((1.0 + skewness * t / 2.0).max(0.0).cbrt() - 1.0) + skewness / 6.0
 }
 
@@ -189,9 +197,9 @@ mod tests {
 
     #[test]
     fn scores_of_skewed_values_are_normal() {
-        // Nearly no skewness: t itself. An exponential distribution has γ = 2: its mean and one deviation beyond it
+        // No skewness: t itself; little of it changes little. An exponential distribution has γ = 2: its mean and one deviation beyond it
         // have the normal scores of 1 − 1/e and 1 − 1/e².
-        assert!((normal_score(1.7, 0.01) - 1.7).abs() < 0.01);
+        assert!(normal_score(1.7, 0.01) == 1.7 && (normal_score(1.7, 0.06) - 1.7).abs() < 0.03);
         assert!((normal_score(0.0, 2.0) - 0.337).abs() < 0.02);
         assert!((normal_score(1.0, 2.0) - 1.102).abs() < 0.05);
     }
