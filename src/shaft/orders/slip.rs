@@ -68,7 +68,7 @@ pub struct OrderStrength {
     pub slip: f32,
     /// Standard deviation (6) of the slip, if there is a defect.
     pub slip_deviation: f32,
-    /// Amplitude of the smallest defect that this segment shows, of [`super::sight`], in units of the residual;
+    /// Amplitude of the smallest defect that this segment shows, of the noise of the score, in units of the residual;
     /// infinite if it shows none.
     pub smallest: f32,
     /// The same over the deviation of the noise: how much the shaft has turned, without the noise.
