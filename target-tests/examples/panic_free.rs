@@ -345,8 +345,11 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
         opaque((Friction::coulomb_nm(friction), Friction::torque_constant_nm_a(friction)));
         if let Some(balance) = balance {
             opaque(Balance::without_prior(balance, friction, opaque(FrictionTerm::Drag)));
+            opaque(Balance::part_of_rows(balance, friction, opaque(FrictionTerm::Drag)));
         }
     }
+    opaque(Report::smallest(report));
+    opaque(Projection::only(&Model::constants(model).classifier.projection, opaque(1)));
     let mut doubted = report.clone();
     Report::doubt(opaque(&mut doubted));
     if let Some(decision) = &report.decision {

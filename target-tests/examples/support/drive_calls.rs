@@ -59,10 +59,10 @@ fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
     }
     PositionTracker::skip(&mut tracker, opaque(7));
     opaque((PositionTracker::acceleration_constant(&tracker), PositionTracker::faults(&tracker)));
-    opaque(PositionTracker::mismatched(&tracker));
+    opaque((PositionTracker::mismatched(&tracker), PositionTracker::has_stuck_bit(&tracker)));
     PositionTracker::clear_faults(opaque(&mut tracker));
     opaque((CurrentBalance::imbalance(&balance), CurrentBalance::unbalanced_windows(&balance)));
-    opaque(CurrentBalance::alignment(&balance));
+    opaque((CurrentBalance::alignment(&balance), CurrentBalance::last_imbalance(&balance)));
     CurrentBalance::clear_faults(opaque(&mut balance));
     opaque((CurrentSensors::faults(&sensors), CurrentSensors::any_stuck(&sensors)));
     CurrentSensors::clear_faults(opaque(&mut sensors));

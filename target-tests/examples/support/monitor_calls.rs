@@ -3,9 +3,12 @@
 use core::hint::black_box as opaque;
 
 use bearing_watch::alarm::{Growth, Interval, SilenceLimits};
+use bearing_watch::drive::Alignment;
 use bearing_watch::model::Directions;
 use bearing_watch::plan::Plan;
-use bearing_watch::{Detector, Evidence, Exchange, Implausible, Model, Monitor, RateCheck, Segment};
+use bearing_watch::{
+    Detector, Evidence, Exchange, Implausible, Liveness, LivenessLimits, Model, Monitor, Obstacle, RateCheck, Segment,
+};
 
 /// Every public function of a monitor.
 pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample: impl FnMut() -> P::Sample) {
@@ -34,6 +37,10 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     let mut rate = opaque(RateCheck::new(opaque(500.0), 1000.0, 0.02, opaque(2000)));
     opaque((RateCheck::push(&mut rate, opaque(1), opaque(2)), RateCheck::ratio(&rate)));
     RateCheck::restart(&mut rate);
+    alive();
+    Monitor::begin_trial(&mut other);
+    Monitor::tell_alignment(&mut other, opaque(Alignment::Misaligned));
+    opaque((Alignment::message(opaque(Alignment::Unknown)), Obstacle::message(opaque(Obstacle::TooNoisy))));
     let mut bytes = opaque([0; 1000]);
     opaque(Monitor::save_within_run(&other, &mut bytes).is_ok());
     opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor)));
@@ -45,6 +52,13 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     Monitor::limit_silence(&mut monitor, SilenceLimits { segments: opaque(3), hours: opaque(1.0) });
     opaque(Monitor::deny(&mut monitor));
     Monitor::reset(&mut monitor);
+}
+
+/// The clock of the firmware.
+fn alive() {
+    let mut liveness = opaque(Liveness::new(opaque(LivenessLimits::of_segments(opaque(10.0)))));
+    opaque((Liveness::push(&mut liveness, opaque([1, 2, 3]), opaque(4)), Liveness::lapsed(&liveness)));
+    Liveness::restart(&mut liveness);
 }
 
 /// What an alarm by directions says.

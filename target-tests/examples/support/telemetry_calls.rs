@@ -120,6 +120,9 @@ fn greeted(hello: &Hello<'_>) {
     Hello::channels(hello).for_each(|channel| {
         opaque(channel);
     });
+    Hello::coordinates(hello).for_each(|place| {
+        opaque(place);
+    });
     Hello::classes(hello).for_each(|class| {
         opaque(class);
     });
