@@ -10,8 +10,8 @@
 //!
 //! p and σ are those of the rows alone, without the prior of p, which would draw the friction of a defect towards that
 //! of healthy drives ([`Balance::without_prior`]). Where the rows say nothing of it beside its prior, the feature is
-//! missing, and so is an order that the shaft has turned too little for. No deviation is known of the other features, and a score is already
-//! relative to its deviation: v = 0. The logarithm (1) suits a friction that varies by a factor between drives. Below
+//! missing, and so is an order that the shaft has turned too little for. No deviation is known of the other features,
+//! and a score is already relative to its deviation: v = 0. The logarithm (1) suits a friction that varies by a factor between drives. Below
 //! its standard deviation a value does not differ from zero; it counts as σ, with v = 1. A missing feature has an
 //! infinite variance.
 //!
@@ -99,6 +99,22 @@ impl FeatureValue {
 }
 
 impl Feature {
+    /// The term of the torque balance that it measures, if it does.
+    pub(crate) const fn friction(self) -> Option<FrictionTerm> {
+        match self {
+            Self::Friction(term) | Self::FrictionScore(term) | Self::LogFriction(term) => Some(term),
+            _ => None,
+        }
+    }
+
+    /// The place of the bearing order that it measures, if it does.
+    pub(crate) const fn order(self) -> Option<u8> {
+        match self {
+            Self::OrderScore(place) | Self::LogOrderAmplitude(place) => Some(place),
+            _ => None,
+        }
+    }
+
     /// The feature of a segment.
     ///
     /// # Errors
@@ -177,17 +193,12 @@ impl Feature {
 /// Why a feature of the shaft says nothing of this segment, although there is an estimate.
 fn unseen<P: Plan>(feature: Feature, shaft: Option<&ShaftEstimate<P>>, balance: Option<&Balance>) -> Option<Reason> {
     let shaft = shaft?;
-    match feature {
-        Feature::Friction(term) | Feature::FrictionScore(term) | Feature::LogFriction(term) => {
-            let known = balance?.part_of_rows(&shaft.friction, term) >= LEAST_FROM_ROWS;
-            (!known).then_some(Reason::TermNotExcited(term))
-        }
-        Feature::OrderScore(place) | Feature::LogOrderAmplitude(place) => {
-            let unseen = shaft.orders().get(place as usize).is_some_and(|order| order.unseen);
-            unseen.then_some(Reason::Unseen(Obstacle::TooLittleMotion))
-        }
-        _ => None,
+    if let Some(term) = feature.friction() {
+        let known = balance?.part_of_rows(&shaft.friction, term) >= LEAST_FROM_ROWS;
+        return (!known).then_some(Reason::TermNotExcited(term));
     }
+    let order = shaft.orders().get(feature.order()? as usize)?;
+    order.unseen.then_some(Reason::Unseen(Obstacle::TooLittleMotion))
 }
 
 /// Mean or root mean square of a channel; missing if it is not finite.

@@ -19,6 +19,7 @@
 use super::features::FeatureValue;
 use crate::plan::{Array, Cells, Plan};
 use crate::regression::factor::pairs;
+use crate::unroll::rolled;
 
 /// The map (1).
 #[derive(Clone, Debug, PartialEq)]
@@ -53,11 +54,13 @@ impl<P: Plan> Projection<P> {
     pub fn only(&self, k: usize) -> Option<(usize, f32)> {
         let features = self.mean.cells().len();
         let row = self.matrix.cells().get(k.wrapping_mul(features)..).unwrap_or(&[]);
-        let mut weights = pairs(0..features, row).filter(|(_, weight)| **weight != 0.0);
-        match (weights.next(), weights.next()) {
-            (Some((place, weight)), None) => Some((place, *weight)),
-            _ => None,
+        let mut only = None;
+        for (place, weight) in pairs(0..rolled(features), row) {
+            if *weight != 0.0 && only.replace((place, *weight)).is_some() {
+                return None;
+            }
         }
+        only
     }
 
     /// The feature that alone has a weight in coordinate `k`, above 0; `None` if the coordinate is another combination.

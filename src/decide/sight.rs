@@ -1,10 +1,11 @@
 //! What a segment would have shown: the smallest defect of each rising coordinate that its gate finds.
 //!
-//! Enters: the variances of the coordinates' errors in a segment, and its estimates. Leaves: for each rising coordinate
-//! the size of a defect that the gate calls with a probability of 90 %, infinite where the coordinate is missing.
+//! Enters: the spreads of the rising coordinates in a segment, which the gate leaves, and its estimates. Leaves: for each
+//! rising coordinate the size of a defect that the gate calls with a probability of 90 %, infinite where the coordinate
+//! is missing.
 //!
 //! ```text
-//! δ_i = r_i √(D'_i (1 + m_i/ν))                                          (1)  shift of the coordinate
+//! δ_i = r_i √V_i,   V_i = D'_i (1 + m_i/ν)                                (1)  shift of the coordinate
 //! friction p:       |δ_i/p̄|;    its logarithm:  e^δ_i − 1;    its score:  |δ_i σ/n|                     (2)
 //! order:            the amplitude of [`crate::shaft::orders`], A                                       (3)
 //! ```
@@ -17,81 +18,72 @@
 
 use super::classifier::Classifier;
 use super::features::{Estimates, Feature};
-use super::gates::density::{Density, pivots};
+use super::gates::density::pivots;
 use crate::plan::{Cells, Plan};
-use crate::regression::factor::{numbered, pairs};
+use crate::regression::factor::numbered;
 
 /// A part of the usual friction that is acceptable whatever is usual: drives of training may be very much alike.
 const ACCEPTABLE: f32 = 0.1;
 
 impl<P: Plan> Classifier<P> {
-    /// The sizes (2) and (3) of the rising coordinates, in their order, of a segment whose coordinates have errors of
-    /// these variances. The first cell is not used. Returns whether one of friction is acceptable, or none rises.
+    /// Replaces the spreads V of (1) of the rising coordinates, in the places of their laws, by the sizes (2) and (3).
+    /// Returns whether one of friction is acceptable, or none rises.
     #[inline(never)]
-    pub(crate) fn smallest(&self, estimates: Estimates<'_, P>, variances: &[f32], sizes: &mut [f32]) -> bool {
-        let (all, novelty) = (variances.len(), &self.novelty);
-        let density = Density::<P>::of(novelty.factor.cells(), variances, all);
-        let (laws, most) = (novelty.laws.cells().len(), novelty.acceptable * novelty.acceptable);
-        let (mut before, mut known, mut acceptable) = (0.0, false, false);
-        for (k, (pivot, usual)) in numbered(density.pivots().zip(pivots(novelty.factor.cells(), all))) {
-            if pivot >= f32::INFINITY {
-                continue;
-            }
+    pub(crate) fn smallest(&self, estimates: Estimates<'_, P>, sizes: &mut [f32]) -> bool {
+        let (novelty, all) = (&self.novelty, self.novelty.mean.cells().len());
+        let laws = novelty.laws.cells().len();
+        // Known at compile time: a plan without rising coordinates carries no code for them.
+        if laws == 0 {
+            return true;
+        }
+        let most = novelty.acceptable * novelty.acceptable;
+        let (mut known, mut acceptable) = (false, false);
+        for (k, pivot) in numbered(pivots(novelty.factor.cells(), all)) {
             // The rising coordinates are the last ones, and the first of them has the place 1.
             let place = k.wrapping_add(laws).wrapping_sub(all);
-            if let Some((size, rise)) = sizes.get_mut(place).zip(novelty.rises.cells().get(place))
-                && place > 0
-            {
-                let shift = rise.reach * libm::sqrtf(pivot * (1.0 + before / novelty.freedom)); // (1)
-                *size = self.size(k, shift, estimates);
-                let friction = self.is_friction(k);
-                known |= friction;
-                acceptable |= friction && (pivot <= most * usual || *size <= ACCEPTABLE);
+            let Some((size, rise)) = sizes.get_mut(place).zip(novelty.rises.cells().get(place)) else { continue };
+            let spread = *size;
+            if place == 0 || spread >= f32::INFINITY {
+                continue;
             }
-            before += 1.0;
+            // A projection that mixes features knows no size.
+            let Some(only) = self.projection.only(k) else {
+                *size = f32::INFINITY;
+                continue;
+            };
+            *size = self.size(k, only, rise.reach * libm::sqrtf(spread), estimates); // (1)
+            if self.features.cells().get(only.0).is_some_and(|feature| feature.friction().is_some()) {
+                let usual = pivot * (1.0 + k as f32 / novelty.freedom);
+                known = true;
+                acceptable |= spread <= most * usual || *size <= ACCEPTABLE;
+            }
         }
         acceptable || !known
     }
 
-    /// Whether coordinate k is a friction.
-    fn is_friction(&self, k: usize) -> bool {
-        let feature = self.projection.only(k).and_then(|(place, _)| self.features.cells().get(place));
-        matches!(feature, Some(Feature::Friction(_) | Feature::FrictionScore(_) | Feature::LogFriction(_)))
-    }
-
-    /// The size of a defect that shifts coordinate k by so much; infinite if none is known.
-    fn size(&self, k: usize, shift: f32, (_, shaft, _): Estimates<'_, P>) -> f32 {
-        let Some((place, weight)) = self.projection.only(k) else { return f32::INFINITY };
+    /// The size of a defect that shifts coordinate k, of one feature with a weight, by so much; infinite if none is known.
+    fn size(&self, k: usize, (place, weight): (usize, f32), shift: f32, (_, shaft, _): Estimates<'_, P>) -> f32 {
         let of_feature = (shift / weight).abs();
         let at = |list: &[f32], place: usize| list.get(place).copied().unwrap_or(0.0);
-        let mean = at(self.projection.mean.cells(), place) + at(self.novelty.mean.cells(), k) / weight;
         let size = match (self.features.cells().get(place), shaft) {
             (Some(Feature::OrderScore(place) | Feature::LogOrderAmplitude(place)), Some((shaft, _))) => {
                 shaft.orders().get(*place as usize).map_or(f32::INFINITY, |order| order.smallest)
             }
             (Some(Feature::LogFriction(_) | Feature::LogFrictionVariance | Feature::LogVariance), _) => {
-                libm::expm1f(of_feature)
+                libm::expf(of_feature) - 1.0
             }
             (Some(Feature::FrictionScore(term)), Some((shaft, _))) => {
                 shaft.friction.of(*term).map_or(f32::INFINITY, |own| {
                     (of_feature * own.deviation / (own.value - own.score * own.deviation)).abs()
                 })
             }
-            _ => (of_feature / mean).abs(),
+            _ => {
+                let mean = at(self.projection.mean.cells(), place) + at(self.novelty.mean.cells(), k) / weight;
+                (of_feature / mean).abs()
+            }
         };
         // A value that is not a number shows nothing.
         if size < f32::INFINITY { size } else { f32::INFINITY }
-    }
-
-    /// Whether any of the features for which this holds is among them, and whether one of those has a value.
-    pub(crate) fn seen(&self, missing: &[bool], of: impl Fn(Feature) -> Option<bool>) -> [bool; 2] {
-        let (mut known, mut seen) = (false, false);
-        for (feature, missing) in pairs(self.features.cells(), missing) {
-            if let Some(good) = of(*feature) {
-                (known, seen) = (true, seen || (good && !*missing));
-            }
-        }
-        [known, seen]
     }
 }
 
@@ -155,7 +147,8 @@ mod tests {
         shaft.friction.drag = Parameter { value: 3.0, deviation: 0.1, score: 10.0 };
         shaft.orders = vec![OrderStrength { smallest: 0.25, ..OrderStrength::default() }];
         let mut sizes = vec![f32::INFINITY; 5];
-        let friction = classifier.smallest((None, Some((&shaft, &balance())), &[]), &variances, &mut sizes);
+        let _departure = classifier.novelty.judge_with(&[0.0; 4], &variances, &mut sizes);
+        let friction = classifier.smallest((None, Some((&shaft, &balance())), &[]), &mut sizes);
         (sizes[1..].to_vec(), friction)
     }
 

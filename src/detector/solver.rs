@@ -80,6 +80,7 @@ enum Step {
     Regression,
     Shaft,
     Classification,
+    Verdict(Result<(), Reason>),
     Done,
 }
 
@@ -135,9 +136,14 @@ impl<P: Plan> Solve<P> {
                 }
             }
             Step::Classification => {
-                if self.classify(model, segment, report) {
-                    self.next = Step::Done;
+                if let Some(result) = self.classify(model, report) {
+                    self.next = Step::Verdict(result);
                 }
+            }
+            Step::Verdict(result) => {
+                let friction = sizes(model, report);
+                verdict::judge(model, segment, report, (result, friction));
+                self.next = Step::Done;
             }
             Step::Done => {}
         }
@@ -174,21 +180,26 @@ impl<P: Plan> Solve<P> {
         solve.advance(plan, shaft, sums, estimate)
     }
 
-    /// Does the next step of the classification; whether it was the last.
+    /// Does the next step of the classification; its result with the last one.
     #[inline(always)]
-    fn classify(&mut self, model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>) -> bool {
+    fn classify(&mut self, model: &Model<P>, report: &mut Report<P>) -> Option<Result<(), Reason>> {
         let (plan, constants) = (model.plan(), model.constants());
         let shaft = report.shaft.part().zip(constants.balance());
         let estimates = (report.estimate.part(), shaft, report.averages.cells());
         let decision = report.decision.get_or_insert_with(|| Decision { model: model.mark(), ..Decision::empty(plan) });
-        let Some(result) = self.classification.step(plan, &constants.classifier, estimates, decision) else {
-            return false;
-        };
-        let (_, variances) = self.classification.coordinates();
-        let friction = constants.classifier.smallest(estimates, variances, report.smallest.cells_mut());
-        verdict::judge(model, segment, report, (result, friction));
-        true
+        let decided = (decision, report.smallest.cells_mut());
+        self.classification.step(plan, &constants.classifier, estimates, decided)
     }
+}
+
+/// The smallest defects that the segment shows, by what the classification has left; whether one of friction is
+/// acceptable.
+#[inline(always)]
+fn sizes<P: Plan>(model: &Model<P>, report: &mut Report<P>) -> bool {
+    let constants = model.constants();
+    let shaft = report.shaft.part().zip(constants.balance());
+    let estimates = (report.estimate.part(), shaft, report.averages.cells());
+    constants.classifier.smallest(estimates, report.smallest.cells_mut())
 }
 
 /// Starts the report; `false` if nothing is concluded from the segment, whatever is in it.

@@ -1,10 +1,12 @@
 //! The verdict of a solved segment.
 
 use super::segment::Segment;
-use crate::model::{Feature, Model};
+use crate::model::Model;
 use crate::plan::{Cells, Plan};
 use crate::reason::{FrictionTerm, Obstacle, Reason};
+use crate::regression::factor::pairs;
 use crate::report::{Report, Verdict};
+use crate::unroll::rolled;
 
 /// Whether the signals contradict the model or each other; then that is the reason for no verdict.
 // Out of line, so that it takes no stack during the solve.
@@ -45,18 +47,21 @@ fn unseen<P: Plan>(model: &Model<P>, report: &Report<P>, friction: bool) -> Opti
     let (constants, shaft) = (model.constants(), report.shaft()?);
     let (classifier, orders) = (&constants.classifier, &constants.shaft.part()?.tracking.orders);
     let missing = report.decision.as_ref()?.missing();
-    let of_order = |feature: Feature| match feature {
-        Feature::OrderScore(place) | Feature::LogOrderAmplitude(place) => {
+    // Of orders and of frictions: whether the model has such features, and whether one has seen enough.
+    let (mut of_orders, mut of_frictions) = ([false; 2], [false; 2]);
+    for (feature, missing) in pairs(rolled(classifier.features.cells()), rolled(missing)) {
+        let (seen, good) = if let Some(place) = feature.order() {
             let pair = shaft.orders().get(place as usize).zip(orders.cells().get(place as usize));
-            Some(pair.is_some_and(|(own, order)| own.smallest <= order.most_a))
-        }
-        _ => None,
-    };
-    let of_friction = |feature: Feature| match feature {
-        Feature::Friction(_) | Feature::FrictionScore(_) | Feature::LogFriction(_) => Some(friction),
-        _ => None,
-    };
-    match (classifier.seen(missing, of_order), classifier.seen(missing, of_friction)) {
+            (&mut of_orders, pair.is_some_and(|(own, order)| own.smallest <= order.most_a))
+        } else if feature.friction().is_some() {
+            (&mut of_frictions, friction)
+        } else {
+            continue;
+        };
+        let [_, before] = *seen;
+        *seen = [true, before || (good && !*missing)];
+    }
+    match (of_orders, of_frictions) {
         ([true, true], _) | ([false, _], [true, true] | [false, _]) => None,
         ([true, false], _) => {
             let turned = shaft.orders().iter().any(|order| !order.unseen);

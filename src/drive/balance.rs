@@ -281,8 +281,8 @@ impl CurrentBalance {
             self.unbalanced_windows = self.unbalanced_windows.saturating_add(1);
         }
         (self.sums, self.count, self.octants) = (Sums::default(), 0, 0);
-        self.vector = self.vector.next();
-        self.levels.next();
+        self.vector.restart();
+        self.levels.restart();
     }
 
     /// Removes the mean of s from the sums, if it is known; returns P.

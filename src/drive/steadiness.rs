@@ -16,8 +16,8 @@
 //! sensor and by what the loop corrects, which is far below (2).
 //!
 //! A shaft that changes a bit of the counts changes all bits below it (4), down to the resolution. Bits are compared
-//! over four windows, of 2⁻¹⁴ turn or more; with a bit that is stuck, samples are missing until a later comparison is better. A number of
-//! counts a turn that is no power of two hides the bits of its counter.
+//! over four windows, of 2⁻¹⁴ turn or more; with a bit that is stuck, samples are missing until a later comparison is
+//! better. A number of counts a turn that is no power of two hides the bits of its counter.
 //!
 //! Cost: about forty-five instructions a sample.
 
@@ -49,8 +49,8 @@ pub(super) struct Steadiness {
     limit_rad: f32,
     /// The last reading, bit for bit.
     reading: [u32; 2],
-    /// All bits of the readings of a converter that the loop followed; those that were set and clear in the present
-    /// comparison, how far it is, and the stuck ones of the last.
+    /// Bits of the readings of a converter that the loop followed: those set before the present comparison, those set and
+    /// clear in it, how far it is, and the stuck ones of the last.
     bits: u32,
     set: u32,
     clear: u32,
@@ -103,7 +103,10 @@ impl Steadiness {
     #[inline(never)]
     pub(super) fn turns(&self, position: &Position) -> bool {
         let step = match *position {
-            Position::Absolute(_) => (self.bits & self.bits.wrapping_neg()).max(LEAST_STEP),
+            Position::Absolute(_) => {
+                let bits = self.bits | self.set;
+                (bits & bits.wrapping_neg()).max(LEAST_STEP)
+            }
             Position::Resolver { sin, cos } if (sin + cos).is_finite() => RESOLVER_STEP,
             Position::Resolver { .. } | Position::Missing => return false,
         };
@@ -116,7 +119,6 @@ impl Steadiness {
         let (measured, error_rad) = (tracked.measured(), tracked.error_rad);
         let moved = measured.since(core::mem::replace(&mut self.measured, measured)).unsigned_abs();
         if let Position::Absolute(angle) = position {
-            self.bits |= angle.bits();
             self.set |= angle.bits();
             self.clear |= !angle.bits();
         }
@@ -168,7 +170,7 @@ impl Steadiness {
         let within = (u32::MAX.checked_shr(changed.leading_zeros()).unwrap_or(0)) & !above.wrapping_sub(1);
         let counts = changed.count_ones() >= FEWEST_BITS;
         self.stuck = if counts { within & !changed } else { self.stuck };
-        (self.set, self.clear, self.compared) = (0, 0, 0);
+        (self.bits, self.set, self.clear, self.compared) = (self.bits | self.set, 0, 0, 0);
     }
 
     /// The bits of the reading, in 2⁻³² turn, that are stuck now.

@@ -137,7 +137,7 @@ pub fn of_motion(travel: &TravelSums, interval_s: f32, usage: &Usage) -> Option<
 /// Whether the current changes while the angle does not (6).
 pub fn is_stuck(balance: &Balance, friction: &Friction, usage: &Usage) -> bool {
     let alive = ALIVE * balance.deviation;
-    usage.used > 0 && !usage.moved && friction.variance > alive * alive
+    usage.used > 0 && usage.moved == 0 && friction.variance > alive * alive
 }
 
 /// What is wrong with the signals of a torque balance; `explained` is E/R.
@@ -238,7 +238,7 @@ mod tests {
             )
         };
         assert_eq!(
-            [stuck(4.1, false, 9), stuck(3.9, false, 9), stuck(4.1, true, 9), stuck(4.1, false, 0)],
+            [stuck(4.1, 0, 9), stuck(3.9, 0, 9), stuck(4.1, 1, 9), stuck(4.1, 0, 0)],
             [true, false, false, false]
         );
         let stepped = |steps, seen| of_motion(&travelled(9, |_| 1.0), 1.0, &Usage { steps, seen, ..Usage::default() });

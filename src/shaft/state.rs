@@ -107,14 +107,14 @@ struct Moment {
     angle: Angle,
 }
 
-/// Samples seen and used in a segment, whether the angle has moved in it, and steps that no motor makes.
+/// Samples seen and used in a segment, the bits of all motions of the angle, and steps that no motor makes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Usage {
     pub(super) seen: u32,
     pub(super) used: u32,
     pub(super) steps: u32,
-    pub(super) moved: bool,
+    pub(super) moved: u32,
 }
 
 /// Running state of the shaft.
@@ -306,7 +306,7 @@ impl<P: Plan> Shaft<P> {
             self.fill(layout.decimation, constants, now);
             return None;
         }
-        usage.moved |= turned != 0;
+        usage.moved |= turned.cast_unsigned();
         let clean = self.spoilt == 0;
         if clean {
             usage.used = usage.used.saturating_add(1);

@@ -6,7 +6,7 @@
 use super::Contribution;
 use crate::alarm::growth::{self, Course, Growth};
 use crate::decide::{Direction, FeatureValue};
-use crate::logarithm::ln;
+use crate::logarithm::cube_root;
 use crate::regression::factor::pairs;
 
 /// δ of (5), in standard deviations of a usual run.
@@ -407,7 +407,5 @@ pub(super) fn normal_score(t: f32, skewness: f32) -> f32 {
         return t;
     }
     let level = 1.0 + 0.5 * skewness * t;
-    // The cube root of libm works in double precision, which the chip does in software.
-    let root = if level > f32::MIN_POSITIVE { libm::expf(ln(level) / 3.0) } else { 0.0 };
-    (6.0 / skewness) * (root - 1.0) + skewness / 6.0
+    (6.0 / skewness) * (cube_root(level) - 1.0) + skewness / 6.0
 }

@@ -34,9 +34,8 @@ pub(crate) struct Density<P: Plan> {
     factor: Array<P::Density, f32>,
     /// Σ ln D' of the available rows.
     log_determinant: f32,
-    /// Number of available coordinates, and of all.
+    /// Number of available coordinates.
     available: usize,
-    coordinates: usize,
 }
 
 impl<P: Plan> Density<P> {
@@ -44,7 +43,7 @@ impl<P: Plan> Density<P> {
     #[inline(never)]
     pub(crate) fn of(factor: &[f32], variances: &[f32], coordinates: usize) -> Self {
         let length = crate::regression::factor::lower(coordinates, 0);
-        let mut density = Self { factor: Cells::filled(length, 1.0), log_determinant: 0.0, available: 0, coordinates };
+        let mut density = Self { factor: Cells::filled(length, 1.0), log_determinant: 0.0, available: 0 };
         pairs(rolled(density.factor.cells_mut()), factor).for_each(|(cell, x)| *cell = *x);
         let mut x: Array<P::Coordinates, f32> = Cells::filled(coordinates, 0.0);
         let mut rows = density.factor.cells_mut();
@@ -79,13 +78,13 @@ impl<P: Plan> Density<P> {
         sum
     }
 
-    /// d² of (4), and the values that are judged one by one ([`super::rising`]).
+    /// d² of (4), and the values that are judged one by one with their spreads ([`super::rising`]).
     #[inline(never)]
-    pub(crate) fn scores(&self, mean: &[f32], z: &[f32], freedom: f32, judged: &mut [f32]) -> Scores {
-        let (mut scores, all) = (Scores::default(), z.len());
+    pub(crate) fn scores(&self, mean: &[f32], z: &[f32], freedom: f32, rising: [&mut [f32]; 2]) -> Scores {
+        let (mut scores, all, [judged, spreads]) = (Scores::default(), z.len(), rising);
         self.solve(mean, z, |y, pivot, after| {
             let k = all.wrapping_sub(after).wrapping_sub(1);
-            scores.add(y, pivot, [k, all], freedom, judged);
+            scores.add(y, pivot, [k, all], freedom, [&mut *judged, &mut *spreads]);
         });
         scores
     }
@@ -103,11 +102,6 @@ impl<P: Plan> Density<P> {
             take(*y, *pivot, later.len());
             (left, rest) = (later, below);
         }
-    }
-
-    /// D' of each coordinate, infinite where it is missing.
-    pub(crate) fn pivots(&self) -> impl Iterator<Item = f32> {
-        pivots(self.factor.cells(), self.coordinates)
     }
 
     /// (5) from (4).
@@ -175,11 +169,7 @@ mod tests {
 
     #[test]
     fn pivots_are_the_first_elements_of_the_rows() {
-        let pivots =
-            |variances: &[f32]| Density::<RunTime>::of(&FACTOR, variances, 2).pivots().collect::<std::vec::Vec<_>>();
-        assert_eq!(pivots(&[]), [4.0, 2.0]);
-        // The second coordinate given the first one, whose error is infinite, has its own variance.
-        assert_eq!(pivots(&[f32::INFINITY, 0.5]), [f32::INFINITY, 3.5]);
+        assert_eq!(pivots(&FACTOR, 2).collect::<std::vec::Vec<_>>(), [4.0, 2.0]);
     }
 
     #[test]

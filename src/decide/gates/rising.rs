@@ -23,7 +23,7 @@
 //! mean is that above it on another scale (4), by which the two agree where a fall reaches the limit. For independent
 //! values (3) is exact; if they are correlated and their laws are known, the rate is lower than the set one.
 
-use core::f32::consts::LN_2;
+use core::f32::consts::{LN_2, LN_10};
 
 use super::law::{Law, equivalent, surprise};
 use crate::logarithm::{ln, ln_of_level};
@@ -32,7 +32,8 @@ use crate::regression::factor::pairs;
 /// A value that is not available.
 pub(crate) const MISSING: f32 = f32::NEG_INFINITY;
 /// φ of (2).
-pub(crate) const FALLS: f32 = 0.1;
+const FALLS: f32 = 0.1;
+const LN_FALLS: f32 = -LN_10;
 
 /// What the gate has of a rising coordinate beside its law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,15 +74,27 @@ pub(crate) struct Scores {
 
 impl Scores {
     /// Takes y and D' of the next coordinate, of which there are so many; one with an infinite D' is not available.
-    /// `judged` gets d² of the others and u of each rising coordinate.
-    pub(crate) fn add(&mut self, y: f32, pivot: f32, [k, all]: [usize; 2], freedom: f32, judged: &mut [f32]) {
-        let rising = judged.get_mut(1..).unwrap_or_default();
+    /// `judged` gets d² of the others and u of each rising coordinate, and its place in `spreads`, if there are such,
+    /// the variance of u's numerator of healthy segments.
+    pub(crate) fn add(
+        &mut self,
+        y: f32,
+        pivot: f32,
+        [k, all]: [usize; 2],
+        freedom: f32,
+        [judged, spreads]: [&mut [f32]; 2],
+    ) {
+        let first = all.wrapping_add(1).saturating_sub(judged.len());
         let is_missing = pivot >= f32::INFINITY;
-        let cell = k.checked_sub(all.saturating_sub(rising.len())).and_then(|place| rising.get_mut(place));
+        let place = k.checked_sub(first).map(|place| place.wrapping_add(1));
+        let cell = place.and_then(|place| judged.get_mut(place));
         let rises = cell.is_some();
         if let Some(cell) = cell {
             let u = y / libm::sqrtf(pivot * (1.0 + self.squared / freedom)); // (2)
             *cell = if is_missing { MISSING } else { u };
+        }
+        if let Some(spread) = place.and_then(|place| spreads.get_mut(place)) {
+            *spread = pivot * (1.0 + self.available as f32 / freedom);
         }
         if is_missing {
             return;
@@ -170,14 +183,15 @@ pub(crate) fn rarest(laws: &[Law], rises: &[Rise], judged: &[f32], scores: &Scor
         let beyond = libm::expf(-far(law, u));
         let falls = *value < 0.0;
         smallest.take(if falls { 1.0 - beyond } else { beyond }, 1.0, most(place, false));
-        let below = if falls { libm::expf(-far(law, rise.fall * u)) / FALLS } else { 1.0 };
-        smallest.take(below, FALLS, most(place, true));
+        // −ln of p/φ.
+        let below = if falls { far(law, rise.fall * u) + LN_FALLS } else { 0.0 };
+        let fallen_here = most(place, true);
+        smallest.take(libm::expf(-below), FALLS, fallen_here);
         fallen += 1.0;
-        let own = -ln(below.max(f32::MIN_POSITIVE));
-        if let Some(Most { coordinate, .. }) = most(place, true)
-            && own > fall.surprise
+        if let Some(Most { coordinate, .. }) = fallen_here
+            && below > fall.surprise
         {
-            fall = Fall { surprise: own, coordinate };
+            fall = Fall { surprise: below, coordinate };
         }
     }
     let surprise = fall.surprise - ln_of_level(fallen);
@@ -186,6 +200,7 @@ pub(crate) fn rarest(laws: &[Law], rises: &[Rise], judged: &[f32], scores: &Scor
 }
 
 /// −ln P(U ≥ u), u ≥ 0.
+#[inline(never)]
 fn far(law: &Law, u: f32) -> f32 {
     surprise(law, u * u) + LN_2
 }
@@ -229,7 +244,7 @@ mod tests {
         let laws = laws(values.len() - 2);
         let (mut judged, mut scores) = (vec![MISSING; laws.len()], Scores::default());
         for (k, [y, pivot]) in values.iter().enumerate() {
-            scores.add(*y, *pivot, [k, values.len()], 10.0, &mut judged);
+            scores.add(*y, *pivot, [k, values.len()], 10.0, [&mut judged, &mut []]);
         }
         rarest(&laws, &vec![Rise { fall: 2.0, reach: 0.0 }; laws.len()], &judged, &scores, values.len())
     }

@@ -9,6 +9,8 @@
 //! A gain that is too small looks alike, but is as wrong where the current is small: below half of what it reached in
 //! both directions in the window before, the ratio of `Σ s i_x` and `Σ i_x²` is its error. A level says more than that
 //! the currents do not sum to zero; it is only looked for where they do not.
+//!
+//! A sample counts for one phase, in turn: sixteen a turn are no multiple of three, so that each phase gets all angles.
 
 use super::{Imbalance, Phase};
 use crate::signal::Abc;
@@ -34,10 +36,13 @@ struct Reach {
     product: f32,
 }
 
-/// The phases in a window.
+/// The phases in a window, and the one of the last sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Levels([Reach; 3]);
+pub(super) struct Levels {
+    reaches: [Reach; 3],
+    phase: u8,
+}
 
 fn largest(most: &mut [f32; 2], x: f32) {
     let [high, low] = most;
@@ -47,22 +52,28 @@ fn largest(most: &mut [f32; 2], x: f32) {
 
 impl Levels {
     /// Takes three currents with the sum s.
+    #[inline(always)]
     pub(super) fn take(&mut self, Abc { a, b, c }: Abc, s: f32) {
-        for (reach, x) in self.0.iter_mut().zip([a, b, c]) {
-            largest(&mut reach.measured, x);
-            largest(&mut reach.by_others, x - s); // (1)
-            if x.abs() < reach.small {
-                reach.count += 1.0;
-                reach.square += x * x;
-                reach.product += s * x;
-            }
+        let (phase, x) = match self.phase {
+            0 => (1, b),
+            1 => (2, c),
+            _ => (0, a),
+        };
+        self.phase = phase;
+        let Some(reach) = self.reaches.get_mut(phase as usize) else { return };
+        largest(&mut reach.measured, x);
+        largest(&mut reach.by_others, x - s); // (1)
+        if x.abs() < reach.small {
+            reach.count += 1.0;
+            reach.square += x * x;
+            reach.product += s * x;
         }
     }
 
     /// The phase that reaches least of what the others say (2); σ is the noise of s.
     pub(super) fn found(&self, noise_a: f32) -> Option<Imbalance> {
         let mut found = (0.0, None);
-        for (reach, phase) in self.0.iter().zip(Phase::ALL) {
+        for (reach, phase) in self.reaches.iter().zip(Phase::ALL) {
             for (measured, others) in reach.measured.iter().zip(reach.by_others) {
                 let lacks = others - measured - (NOISE * noise_a).max(PART * others);
                 let half = *measured < NO_CURRENT * others;
@@ -78,8 +89,8 @@ impl Levels {
     }
 
     /// Starts the next window.
-    pub(super) fn next(&mut self) {
-        for reach in &mut self.0 {
+    pub(super) fn restart(&mut self) {
+        for reach in &mut self.reaches {
             let [high, low] = reach.measured;
             *reach = Reach { small: 0.5 * high.min(low), ..Reach::default() };
         }

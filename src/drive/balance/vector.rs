@@ -50,8 +50,8 @@ pub(super) struct Vector {
 
 impl Vector {
     /// No samples of the window that follows this one.
-    pub(super) fn next(self) -> Self {
-        Self { last: self.last, ..Self::default() }
+    pub(super) fn restart(&mut self) {
+        *self = Self { last: self.last, ..Self::default() };
     }
 
     /// Takes the currents at one instant, to which the shaft has turned forward or backward.

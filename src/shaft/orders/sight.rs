@@ -24,7 +24,7 @@
 use super::blocks::TrackedOrder;
 use super::line::LineSums;
 use super::noise::NoiseLine;
-use crate::logarithm::ln;
+use crate::logarithm::cube_root;
 use crate::plan::MAX_HARMONICS;
 use crate::regression::factor::pairs;
 
@@ -59,14 +59,20 @@ impl ProminenceLaw {
         let root = self.root_of(needed);
         let mut level = root * root * root;
         for _ in 0..STEPS {
-            let crossed = if level > 1.0 { 1.0 - 1.0 / level } else { 0.0 };
-            let mean = 1.0 - self.relative * (1.0 + crossed) / level.max(1.0);
-            let of_root = root / mean.max(0.1);
-            level = of_root * of_root * of_root; // (4)
+            level = self.level_of(root, level);
         }
         let ratio = (level - 1.0) / gain;
         // Written so that a value that is not a number shows nothing.
         if ratio < f32::INFINITY { 2.0 * libm::sqrtf(ratio.max(0.0)) } else { f32::INFINITY }
+    }
+
+    /// 1 + κ of (4) for the cube root in it, from a level near it.
+    #[inline(never)]
+    fn level_of(&self, root: f32, near: f32) -> f32 {
+        let crossed = if near > 1.0 { 1.0 - 1.0 / near } else { 0.0 };
+        let mean = 1.0 - self.relative * (1.0 + crossed) / near.max(1.0);
+        let of_root = root / mean.max(0.1);
+        of_root * of_root * of_root
     }
 
     /// (2): the larger root of ((1 − b) x − u)² = n² (v + b x²); infinite if the score stays below n.
@@ -95,11 +101,6 @@ pub(super) fn gain(sums: &LineSums, coherent: f32, noise: &NoiseLine, order: &Tr
         }
     }
     coherent * powers / weights
-}
-
-/// The cube root of libm works in double precision, which the chip does in software.
-fn cube_root(x: f32) -> f32 {
-    if x > f32::MIN_POSITIVE { libm::expf(ln(x) / 3.0) } else { 0.0 }
 }
 
 #[cfg(test)]
