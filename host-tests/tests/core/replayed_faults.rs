@@ -1,20 +1,18 @@
 //! Faults that the front end finds late, replayed: reports and evidence are those of the drive.
 
-use bearing_watch::{Detector, Monitor, Reason, Verdict};
-use model::core::Embedded;
+use bearing_watch::drive::Alignment;
+use bearing_watch::{Detector, Implausible, Monitor, Reason, Verdict};
+use model::core::{Embedded, SegmentReport};
 use model::trace::{MotionTrace, Trace};
 use rig::DefectKind;
 
-use super::rig::{lag, model, motions, trace};
+use super::rig::{Motion, lag, model, motions, trace};
 
 const SEGMENT: usize = 1000;
 
-#[test]
-fn a_replay_discards_and_withdraws_as_the_drive_does() {
-    let rows = motions(&trace(DefectKind::Healthy, 77), 14);
-    let own = model(lag(0.7), true, SEGMENT as u32);
-    let embedded = Embedded::new(own.clone()).expect("known columns");
-    let column = |pick: fn(&super::rig::Motion) -> f32| rows.iter().map(|row| f64::from(pick(row))).collect::<Vec<_>>();
+/// The rows as a trace.
+fn recorded(rows: &[Motion]) -> Trace {
+    let column = |pick: fn(&Motion) -> f32| rows.iter().map(|row| f64::from(pick(row))).collect::<Vec<_>>();
     let motion = MotionTrace {
         current_a: column(|row| row.current_a),
         velocity_rad_s: column(|row| row.velocity_rad_s),
@@ -26,11 +24,19 @@ fn a_replay_discards_and_withdraws_as_the_drive_does() {
             .collect(),
         reference_rad_s: vec![],
     };
+    let (y, u1, u2) = (vec![0.0; rows.len()], vec![0.0; rows.len()], vec![0.0; rows.len()]);
+    Trace { y, u1, u2, motion: Some(motion), ..Trace::default() }
+}
+
+#[test]
+fn a_replay_discards_and_withdraws_as_the_drive_does() {
+    let rows = motions(&trace(DefectKind::Healthy, 77), 14);
+    let own = model(lag(0.7), true, SEGMENT as u32);
+    let embedded = Embedded::new(own.clone()).expect("known columns");
+    let recorded = recorded(&rows);
     // In the first and in the second half of a segment, twice in one, and at the first row of one.
     for found_late in [vec![], vec![1100], vec![1700], vec![2100, 2300], vec![3000]] {
-        let (y, u1, u2) = (vec![0.0; rows.len()], vec![0.0; rows.len()], vec![0.0; rows.len()]);
-        let recorded =
-            Trace { y, u1, u2, motion: Some(motion.clone()), found_late: found_late.clone(), ..Trace::default() };
+        let recorded = Trace { found_late: found_late.clone(), ..recorded.clone() };
         let mut stream = embedded.stream();
         let replayed: Vec<_> = stream.run(&recorded, false).into_iter().map(|(segment, _)| segment.reason).collect();
         // The drive: the report before is withdrawn where the detector says so.
@@ -55,4 +61,22 @@ fn a_replay_discards_and_withdraws_as_the_drive_does() {
         let expected = found_late.iter().filter(|row| *row % SEGMENT < SEGMENT / 2).count().min(1);
         assert_eq!(withdrawn, expected, "{found_late:?}: {replayed:?}");
     }
+}
+
+#[test]
+fn a_replay_waits_for_the_wiring_once_a_run_and_a_record_by_itself_does_not() {
+    let own = model(lag(0.7), true, SEGMENT as u32);
+    let embedded = Embedded::new(own).expect("known columns");
+    let wiring = vec![(0, Alignment::Undecided), (SEGMENT + SEGMENT / 2, Alignment::Aligned)];
+    let recorded = Trace { wiring, ..recorded(&motions(&trace(DefectKind::Healthy, 77), 14)) };
+    let undecided = Some(Reason::Implausible(Implausible::WiringUndecided));
+    let waits = |segments: Vec<SegmentReport>| -> Vec<bool> {
+        segments.iter().take(3).map(|segment| segment.reason == undecided).collect()
+    };
+    let mut stream = embedded.stream();
+    let mut replay = |ends| waits(stream.run(&recorded, ends).into_iter().map(|(segment, _)| segment).collect());
+    assert_eq!(replay(false), [true, false, false]);
+    assert_eq!(replay(true), [false; 3], "the run goes on");
+    assert_eq!(replay(false), [true, false, false], "the next run");
+    assert_eq!(waits(embedded.run(&recorded)), [false; 3]);
 }

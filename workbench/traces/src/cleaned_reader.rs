@@ -92,16 +92,18 @@ fn cleaned(raw: &Trace, channels: &Channels, front_end: &FrontEndFile, wanted: &
     let (own, rest) = columns.split_at(wanted.own);
     let (further, times) = rest.split_at(wanted.further);
     let times = times.first().copied().filter(|_| wanted.timed);
-    let Clean { columns, refused, found_late } =
+    let Clean { columns, refused, found_late, wiring } =
         clean(front_end, own, further, times).map_err(|problem| Error::trace(&raw.id, problem))?;
     let times: Vec<f64> = (0..columns[0].len()).map(|row| row as f64 * front_end.interval_s()).collect();
     // Rows before the first number are left out.
     let first = columns[0].iter().zip(&columns[1]).position(|(current, velocity)| (current + velocity).is_finite());
-    let found_late = found_late.iter().map(|row| row.saturating_sub(first.unwrap_or(0))).collect();
+    let first = first.unwrap_or(0);
+    let found_late = found_late.iter().map(|row| row.saturating_sub(first)).collect();
+    let wiring = wiring.iter().map(|(row, known)| (row.saturating_sub(first), *known)).collect();
     let rows = Rows::of(columns.into_iter().enumerate().collect(), Some(times));
     let given = Channels { rate_hz: None, ..channels.clone() };
     let trace = assemble(raw.id.clone(), &given, &wanted.signals, rows)?;
     // The front end counts the samples that it refused.
     let missing = if refused.is_some() { Missing::default() } else { trace.missing };
-    Ok(Trace { refused, missing, found_late, ..trace })
+    Ok(Trace { refused, missing, found_late, wiring, ..trace })
 }

@@ -1,6 +1,7 @@
 //! Traces through the two halves of the firmware, whole or in pieces.
 
 use bearing_watch::alarm::StateError;
+use bearing_watch::drive::Alignment;
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Detector, Monitor};
 
@@ -24,20 +25,24 @@ pub struct Stream<'m> {
     start: usize,
     /// Whether no segment has ended yet.
     first: bool,
+    /// Whether there is no verdict before the wiring is known, as in the drive, and whether it was told in this run.
+    waits: bool,
+    told: bool,
 }
 
 impl Embedded {
-    /// Runs one trace through the detector; a partial last segment counts if it is more than half a segment.
+    /// Runs one trace through the detector; a partial last segment counts if it is more than half a segment. Its first
+    /// segments are judged, too, as if the drive had turned before.
     #[must_use]
     pub fn run(&self, trace: &Trace) -> Vec<SegmentReport> {
-        self.stream().run(trace, false).into_iter().map(|(segment, _)| segment).collect()
+        Stream { waits: false, ..self.stream() }.run(trace, false).into_iter().map(|(segment, _)| segment).collect()
     }
 
     /// The detector and its monitor before the first sample of a drive.
     #[must_use]
     pub fn stream(&self) -> Stream<'_> {
         let (detector, monitor) = (Detector::new(self.model()), Monitor::new(self.model()));
-        Stream { model: self, detector, monitor, taken: 0, start: 0, first: true }
+        Stream { model: self, detector, monitor, taken: 0, start: 0, first: true, waits: true, told: false }
     }
 }
 
@@ -69,6 +74,7 @@ impl Stream<'_> {
     /// Ends the run, from power-up to power-up; gives what is known then.
     pub fn end_run(&mut self) -> Watched {
         self.monitor.end_run();
+        self.told = false;
         Watched::of_run(self.monitor.evidence())
     }
 
@@ -81,6 +87,7 @@ impl Stream<'_> {
             if piece.found_late.binary_search(&k).is_ok() {
                 self.discard(segments.last_mut());
             }
+            piece.wiring.iter().filter(|(row, _)| *row == k).for_each(|(_, known)| self.tell(*known));
             self.taken += 1;
             if self.monitor.step(&mut self.detector, feed.at(k)).is_some() {
                 segments.extend(self.judged());
@@ -88,6 +95,15 @@ impl Stream<'_> {
             }
         }
         segments
+    }
+
+    /// The next trace of a run has a front end that begins anew, which that of the drive does not.
+    fn tell(&mut self, alignment: Alignment) {
+        let known = alignment != Alignment::Undecided;
+        if self.waits && (known || !self.told) {
+            self.told |= known;
+            self.monitor.tell_alignment(alignment);
+        }
     }
 
     /// A fault was found late: what the open segment has is discarded, and the report of the last one is withdrawn if the

@@ -68,6 +68,7 @@ impl Preparation {
             refused: trace.refused,
             missing: trace.missing,
             found_late: trace.found_late.iter().map(|row| row / factor).collect(),
+            wiring: trace.wiring.iter().map(|(row, known)| (row / factor, *known)).collect(),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! A record of signals, and the names of its columns.
 
+use bearing_watch::drive::Alignment;
 use serde::de::{Deserialize as _, Deserializer, Error as _};
 use serde_json::Value;
 
@@ -68,6 +69,8 @@ pub struct Trace {
     pub missing: Missing,
     /// Samples before which the front end found that a fault had begun earlier, in their order.
     pub found_late: Vec<usize>,
+    /// What the front end knew of the wiring from a sample on, in their order; empty without a front end.
+    pub wiring: Vec<(usize, Alignment)>,
 }
 
 impl Trace {
@@ -83,6 +86,7 @@ impl Trace {
             motion: self.motion.as_ref().map(|motion| motion.cut(0, rows)),
             further: self.further.iter().map(part).collect(),
             found_late: self.found_late.iter().copied().filter(|row| *row < rows).collect(),
+            wiring: self.wiring.iter().copied().filter(|(row, _)| *row < rows).collect(),
             ..self.clone()
         }
     }

@@ -214,6 +214,7 @@ fn without_gaps(traces: &[LabelledTrace]) -> Cow<'_, [LabelledTrace]> {
             motion: None,
             further: vec![],
             found_late: vec![],
+            wiring: vec![],
             ..own.trace
         };
         LabelledTrace { trace, class: own.class }

@@ -1,6 +1,6 @@
 //! Recorded rows through the core's front end.
 
-use bearing_watch::drive::{By, CleanSample, Factor, FrontEnd, PhaseCounts, Position, RawSample};
+use bearing_watch::drive::{Alignment, By, CleanSample, Factor, FrontEnd, PhaseCounts, Position, RawSample};
 
 use model::trace::front_end::{FrontEndFile, Quantity, Refused, words};
 
@@ -19,6 +19,8 @@ pub(crate) struct Clean {
     pub(crate) refused: Option<Refused>,
     /// Samples before which a fault was found late.
     pub(crate) found_late: Vec<usize>,
+    /// What is known of the wiring from a sample on.
+    pub(crate) wiring: Vec<(usize, Alignment)>,
 }
 
 /// Takes the columns that the file names and at most [`FURTHER`] further ones. `times_s` tells missed rows; without
@@ -63,13 +65,14 @@ where
     let mut front_end =
         FrontEnd::<FURTHER, FACTOR>::new(&file.constants()).map_err(|error| error.message().to_string())?;
     let mut columns = vec![vec![]; OWN.len() + further.len()];
-    let mut late = Vec::new();
+    let (mut late, mut wiring) = (Vec::new(), Vec::<(usize, Alignment)>::new());
     for row in (0..rows).filter(|row| is_sampled(file, recorded, times_s, *row)) {
         let raw = raw_sample(file, recorded, further, times_s, row);
-        let Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late, .. }) = front_end.push(&raw)
-        else {
-            continue;
-        };
+        let Some(clean) = front_end.push(&raw) else { continue };
+        let CleanSample { current_a, velocity_rad_s, angle, further, found_late, alignment } = clean;
+        if wiring.last().is_none_or(|(_, known)| *known != alignment) {
+            wiring.push((columns[0].len(), alignment));
+        }
         if found_late {
             late.push(columns[0].len());
         }
@@ -83,7 +86,7 @@ where
         return Err(format!("no sample passes the front end: {}", words(&faults)));
     }
     let refused = (missing > 0).then_some(Refused { missing, samples, faults });
-    Ok(Clean { columns, refused, found_late: late })
+    Ok(Clean { columns, refused, found_late: late, wiring })
 }
 
 /// Whether a row has what each instant of the control loop has: counts of the currents, and its time. Others are
