@@ -33,6 +33,7 @@ mod plausibility;
 mod rotor;
 pub(crate) mod solve;
 pub(crate) mod state;
+mod usage;
 
 pub use balance::{Friction, Parameter};
 pub use orders::{Bearing, OrderStrength};

@@ -40,7 +40,7 @@
 //! except by (3); and wrong signals of a plan without a shaft.
 
 use super::balance::{Balance, Friction, Parameter, TERMS};
-use super::state::Usage;
+use super::usage::Usage;
 use crate::reason::Implausible::{
     self, AngleSteps, Current, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign,
     VelocityScale, VelocitySign,

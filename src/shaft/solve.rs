@@ -3,7 +3,8 @@
 use super::balance::Estimated;
 use super::orders::{NoiseLine, OrderStrength, Search, SlipRange};
 use super::plausibility;
-use super::state::{ShaftConstants, ShaftEstimate, ShaftSums, Usage};
+use super::state::{ShaftConstants, ShaftEstimate, ShaftSums};
+use super::usage::Usage;
 use crate::plan::{Cells, Plan};
 use crate::reason::{Part, Reason};
 

@@ -10,7 +10,8 @@
 //! both directions in the window before, the ratio of `Σ s i_x` and `Σ i_x²` is its error. A level says more than that
 //! the currents do not sum to zero; it is only looked for where they do not.
 
-use super::{Imbalance, Phase};
+use crate::drive::Phase;
+use crate::drive::imbalance::Imbalance;
 use crate::signal::Abc;
 
 /// w of (2).
