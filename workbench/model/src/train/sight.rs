@@ -7,11 +7,12 @@ use crate::core::Parts;
 pub struct OrderSight {
     /// The place of the order.
     pub order: usize,
-    /// (1).
+    /// The score that a defect needs.
     pub needed_score: f64,
     /// The usual amplitude of the smallest defect, A; `None` if no segment shows one.
     pub usual_a: Option<f64>,
-    /// (2) of the amplitude over the deviation of the noise, and of the amplitude, A.
+    /// The largest sizes of the smallest defect with which a segment may be called healthy: the amplitude over the
+    /// deviation of the noise, and the amplitude, A.
     pub most_relative: f64,
     pub most_a: f64,
 }
