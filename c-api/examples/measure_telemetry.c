@@ -65,7 +65,9 @@ int main(void) {
     start_counting();
     raw.phases = 3;
     raw.position = BW_POSITION_ABSOLUTE;
-    bw_init(detector_memory, sizeof detector_memory, bw_model, BW_MODEL_LENGTH, &detector);
+    if (bw_init(detector_memory, sizeof detector_memory, bw_model, BW_MODEL_LENGTH, &detector) != BW_CODE_OK) {
+        return 1;
+    }
     bw_telemetry_init(line_memory, sizeof line_memory, detector, BW_MODEL_ID, 1, &line);
     bw_recorder_init(recorder_memory, sizeof recorder_memory, detector, &recorder);
     bw_raw_recorder_init(raw_memory, sizeof raw_memory, 10000.0f, 2, &raw_recorder);

@@ -664,8 +664,8 @@ typedef struct BwReport {
   float distance;
   // -ln of the probability that a healthy segment is at least so unusual, nats; likewise.
   float surprise;
-  // The coordinate that departs most from the healthy class, 255 if there is none; without a projection it is a
-  // feature of `BW_MODEL_FEATURE_NAMES`.
+  // The coordinate that departs most from the healthy class, a place in `BW_MODEL_COORDINATE_NAMES` of the model's
+  // header; 255 without a healthy class or a verdict.
   uint8_t most;
   // Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
   bool falls;
@@ -1198,7 +1198,7 @@ BwCode bw_adopt(struct BwState *state);
 
 // Compares what was done so far with a clock, in milliseconds, which the timer of the samples does not make. `samples`
 // is the number of samples that `bw_put` or `bw_collect` was given; both may wrap. Call it in the main loop, as often as
-// you like.
+// you like, from the end of a commissioning on: the times count from the first call, and anew from `bw_restart`.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, `BW_CODE_BUSY`, or why the
 // drive is not watched as it should be, each reason once until it is right again: `BW_CODE_NO_SAMPLE`,

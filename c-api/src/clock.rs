@@ -2,41 +2,16 @@
 
 use core::sync::atomic::Ordering;
 
-use bearing_watch::{Implausible, Liveness, LivenessLimits, RateCheck, Stage};
+use bearing_watch::{Implausible, Liveness, LivenessLimits, Stage};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::at;
 use crate::state::{BwState, OwnMonitor};
-
-/// What the clock is compared with.
-#[derive(Debug)]
-pub(crate) struct Clock {
-    rate: RateCheck,
-    /// Whether the last window of the rate was right.
-    right: bool,
-    /// Whether the clock was read.
-    started: bool,
-    liveness: Liveness,
-}
-
-impl Clock {
-    pub(crate) fn new(interval_s: f32, segment_samples: u32) -> Self {
-        let liveness = Liveness::new(LivenessLimits::of_segments(interval_s * segment_samples as f32));
-        Self { rate: RateCheck::of_milliseconds(interval_s), right: true, started: false, liveness }
-    }
-}
-
-impl Clock {
-    /// Starts anew, after a pause of the samples.
-    pub(crate) const fn restart(&mut self) {
-        self.rate.restart();
-        self.liveness.restart();
-    }
-}
+use crate::timing::Clock;
 
 /// Compares what was done so far with a clock, in milliseconds, which the timer of the samples does not make. `samples`
 /// is the number of samples that `bw_put` or `bw_collect` was given; both may wrap. Call it in the main loop, as often as
-/// you like.
+/// you like, from the end of a commissioning on: the times count from the first call, and anew from `bw_restart`.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, `BW_CODE_BUSY`, or why the
 /// drive is not watched as it should be, each reason once until it is right again: `BW_CODE_NO_SAMPLE`,

@@ -67,6 +67,7 @@ mod sizes;
 mod solving;
 mod state;
 mod telemetry;
+mod timing;
 mod waiting;
 mod wiring;
 

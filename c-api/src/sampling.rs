@@ -5,11 +5,12 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use bearing_watch::plan::{MAX_CHANNELS, Plan, Signals as _};
 use bearing_watch::{Angle, Exchange};
 
-use crate::clock::Clock;
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
+use crate::solving::reported;
 use crate::state::{BwState, OwnDetector, OwnMonitor, Sample};
+use crate::timing::Clock;
 
 /// Most lost samples that are made up for at once: more than the shaft bridges, so that everything starts anew.
 const MOST_MISSED: u32 = 16;
@@ -123,10 +124,15 @@ fn keep(state: &BwState, exchange: Exchange<'static, Own>) -> Outcome {
         count(&state.lost_segments);
         return Err(BwCode::SegmentLost);
     };
-    state.closed_segments.store(state.closed_segments.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+    count_closed(state);
     // SAFETY: the caller holds the sampling half of the state, and has taken the place of the slot for this one.
     unsafe { state.closed.fill(place) };
     Ok(BwCode::Segment)
+}
+
+/// Counts a closed segment, for the clock.
+fn count_closed(state: &BwState) {
+    state.closed_segments.store(state.closed_segments.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
 }
 
 /// Adds one. By load and store: only the holder of the part counts, and a lost count would only be a lost count.
@@ -156,7 +162,10 @@ fn step(state: &BwState, sample: &Sample) -> Outcome {
         }
         state.sampling.with(|detector| {
             take(state, sample, |sample| match monitor.step(detector, sample) {
-                Some(_) => Ok(BwCode::Report),
+                Some(now) => {
+                    count_closed(state);
+                    Ok(reported(state, now.report.verdict))
+                }
                 None => Ok(BwCode::Ok),
             })
         })

@@ -57,7 +57,8 @@ fn conclude(state: &BwState, monitor: &mut OwnMonitor) -> BwCode {
     monitor.complete().map_or(BwCode::Idle, |now| reported(state, now.report.verdict))
 }
 
-fn reported(state: &BwState, verdict: Verdict) -> BwCode {
+/// Counts a report with a verdict, for the clock.
+pub(crate) fn reported(state: &BwState, verdict: Verdict) -> BwCode {
     if !matches!(verdict, Verdict::Undetermined(_)) {
         state.verdicts.store(state.verdicts.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     }

@@ -15,10 +15,10 @@ use bearing_watch::drive::Alignment;
 use bearing_watch::plan::Plan;
 use bearing_watch::{Detector, Model, Monitor, Segment};
 
-use crate::clock::Clock;
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{BW_STATE_ALIGN, Object, Tag, check, elements, put, room};
 use crate::plan::Own;
+use crate::timing::Clock;
 use crate::waiting::Waiting;
 
 /// Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
@@ -312,9 +312,7 @@ unsafe fn fill(own: *mut BwState, model: &'static Model<Own>, state: *mut *mut B
         (&raw mut (*own).0.closed).write(Slot::new(spare));
         place_detector(own, model, open);
         place_monitor(own, model);
-        let sampling = &model.constants().sampling;
-        let clock = Clock::new(sampling.interval_s, sampling.segment_samples);
-        (&raw mut (*own).0.clock).write(Lock::new(clock));
+        (&raw mut (*own).0.clock).write(Lock::new(Clock::new(&model.constants().sampling)));
         (&raw mut (*own).0.closed_segments).write(AtomicU32::new(0));
         (&raw mut (*own).0.verdicts).write(AtomicU32::new(0));
         (*own).0.tag.set(own);

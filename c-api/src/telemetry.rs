@@ -9,7 +9,8 @@ use bearing_watch::telemetry::{Encoder, RawEncoder, Source, TooSmall};
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{Object, Tag, at, check, elements_mut, put, put_object, room};
 use crate::plan::{
-    BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COORDINATES, BW_MAX_DIRECTIONS, BW_MAX_FEATURES, BW_MAX_ORDERS, Own,
+    BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COORDINATES, BW_MAX_DIRECTIONS, BW_MAX_FEATURES, BW_MAX_ORDERS,
+    BW_MAX_RISING, Own,
 };
 use crate::recorder::{BW_BLOCK_BYTES, BwRawRecorder, BwRecorder};
 use crate::state::{BwState, Lock};
@@ -28,7 +29,7 @@ const _: () = {
     // Header and fields, and the lists after them.
     let of_model = 2 * BW_MAX_FEATURES + BW_MAX_COORDINATES + 4 * BW_MAX_ORDERS;
     let hello = 10 + 26 + of_model + CHANNEL * BW_MAX_CHANNELS + LABEL * BW_MAX_CLASSES;
-    let lists = 4 * (BW_MAX_CLASSES + BW_MAX_FEATURES + BW_MAX_ORDERS) + 13 * BW_MAX_DIRECTIONS;
+    let lists = 4 * (BW_MAX_CLASSES + BW_MAX_FEATURES + BW_MAX_ORDERS + BW_MAX_RISING) + 13 * BW_MAX_DIRECTIONS;
     let report = 10 + 66 + 15 + lists;
     let raw = 10 + 10 + BW_BLOCK_BYTES;
     assert!(fits(hello) && fits(report) && fits(raw));

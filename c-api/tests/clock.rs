@@ -8,10 +8,11 @@ mod support;
 
 use std::ops::Range;
 
+use bearing_watch::Model;
 use bearing_watch_c::*;
 
-use standard_rig::model::MODEL;
-use support::{FILE, Memory, SEGMENT, channels};
+use standard_rig::model::{Drive, MODEL};
+use support::{FILE, Memory, SEGMENT, bytes, channels};
 
 /// The codes of the clock below 0 with their times in ms, of a drive whose contexts run within some times, at 500 Hz.
 fn told(sampled: Range<u32>, collected: Range<u32>, solved: Range<u32>, end_ms: u32) -> Vec<(u32, BwCode)> {
@@ -52,4 +53,45 @@ fn what_does_not_come_any_more_is_told_once_with_the_reason() {
     assert_eq!(lapse(&told(always.clone(), 0..12_000, always.clone(), 19_000)), (1, BwCode::NotCollected, 129));
     // The first segment, of ten seconds, waits, and the others are lost.
     assert_eq!(lapse(&told(always.clone(), always, 0..0, 39_000)), (1, BwCode::NoSegment, 249));
+}
+
+/// What the clock tells of a drive that concludes its segments with the sample that closes them, every `interval_ms` one;
+/// and the number of its reports.
+fn told_at_once(model: &[u8], samples: usize, interval_ms: u32, limits: [f32; 3]) -> (Vec<(u32, BwCode)>, usize) {
+    let mut memory = Memory::new();
+    let state = memory.state(model).expect("a good model");
+    let rows: Vec<Vec<f32>> = standard_rig::samples().take(SEGMENT).map(|sample| channels(&MODEL, &sample)).collect();
+    let (mut taken, mut told, mut reports) = (0, Vec::new(), 0);
+    let [sample_s, segment_s, verdict_s] = limits;
+    // SAFETY: the state is initialised, and the values are there.
+    unsafe {
+        if sample_s > 0.0 {
+            assert_eq!(bw_limit_liveness(state, sample_s, segment_s, verdict_s), BwCode::Ok);
+        }
+        for row in rows.iter().cycle().take(samples) {
+            taken += 1;
+            reports += usize::from(bw_step(state, row.as_ptr(), row.len(), 0) == BwCode::Report);
+            let now = interval_ms * taken;
+            let code = bw_clock(state, taken, now);
+            if (code as i32) < 0 {
+                told.push((now, code));
+            }
+        }
+    }
+    (told, reports)
+}
+
+#[test]
+fn segments_and_verdicts_without_a_queue_are_seen() {
+    assert_eq!(told_at_once(FILE, 6 * SEGMENT, 2, [1.0, 15.0, 25.0]), (vec![], 6));
+}
+
+#[test]
+fn a_segment_of_block_means_has_its_whole_time_to_close() {
+    let mut constants = MODEL.constants().clone();
+    let sampling = &mut constants.sampling;
+    (sampling.interval_s, sampling.block_mean, sampling.segment_samples) = (0.01, 8, 1000);
+    let model = Model::new(Drive, constants).expect("a good model");
+    // 80 s: of samples without their means, three segments and three seconds would be 33 s.
+    assert_eq!(told_at_once(&bytes(&model), 17_000, 10, [0.0; 3]), (vec![], 2));
 }

@@ -18,8 +18,8 @@ use core::ptr::{null, null_mut};
 
 use bearing_watch::Angle;
 use bearing_watch::drive::{
-    By, CalibrationError, CalibrationLimits, CleanSample, Factor, Faults, FrontEnd, FrontEndConstants, Imbalance, Lock,
-    OffsetCalibration, PhaseCounts, Position, RawSample, WiringCheck, WiringFault, WiringLimits,
+    Alignment, By, CalibrationError, CalibrationLimits, CleanSample, Factor, Faults, FrontEnd, FrontEndConstants,
+    Imbalance, Lock, OffsetCalibration, PhaseCounts, Position, RawSample, WiringCheck, WiringFault, WiringLimits,
 };
 use bearing_watch_c::*;
 
@@ -65,11 +65,13 @@ fn same_clean(c: Option<BwCleanSample>, rust: Option<CleanSample<2>>) {
     let c = c.map(|own| {
         let [first, second, rest @ ..] = own.further;
         assert_eq!(rest, [0.0; 4]);
-        (bits([own.current_a, own.velocity_rad_s, first, second]), own.angle, own.found_late == 1)
+        let numbers = bits([own.current_a, own.velocity_rad_s, first, second]);
+        (numbers, own.angle, own.found_late == 1, own.alignment)
     });
     let rust = rust.map(|own| {
         let [first, second] = own.further;
-        (bits([own.current_a, own.velocity_rad_s, first, second]), own.angle.bits(), own.found_late)
+        let numbers = bits([own.current_a, own.velocity_rad_s, first, second]);
+        (numbers, own.angle.bits(), own.found_late, own.alignment as u8)
     });
     assert_eq!(c, rust);
 }
@@ -90,8 +92,8 @@ fn same_faults(c: &BwFrontEndFaults, rust: &Faults) {
     assert_eq!((c.clear, c.unbalanced_windows, c.gaps), (rust.is_clear(), rust.unbalanced_windows, rust.gaps));
     assert_eq!((c.offsets_a, c.alignment), (rust.offsets_a, rust.alignment.into()));
     assert_eq!(
-        (c.position_stale, c.position_slipped, c.position_unsteady),
-        (rust.position.stale, rust.position.slipped, rust.position.unsteady_windows)
+        (c.position_stale, c.position_slipped, c.position_unsteady, c.position_stuck_bits),
+        (rust.position.stale, rust.position.slipped, rust.position.unsteady_windows, rust.position.stuck_bits)
     );
     assert_eq!(c.saturated, rust.currents.map(|own| own.saturated));
     assert_eq!(c.stuck, rust.currents.map(|own| own.stuck));
@@ -207,6 +209,39 @@ fn every_factor_gives_the_bits_of_rust_through_faults() {
     assert!(sum(|own| own.position.missing) > 1300 && sum(|own| own.position.losses) >= 13);
     assert!(sum(|own| own.position.strayed) > 20 && sum(|own| own.position.resolver.lost) > 20);
     assert!(sum(|own| own.position.resolver.too_high) > 20);
+}
+
+/// The faults of a drive whose readings are changed.
+fn told(readings: u32, change: impl Fn(&mut RawSample<2>)) -> Faults {
+    let mut memory = [0; BW_FRONT_END_SIZE / 8];
+    let mut rust = FrontEnd::<2, 8>::new(&CONSTANTS).expect("good constants");
+    let c = front_end(&mut memory, &for_c(&CONSTANTS, 8, 2));
+    for number in 0..readings {
+        let mut sample = raw(number);
+        change(&mut sample);
+        same_clean(push(c, &sample), rust.push(&sample));
+        same_faults(&faults(c), &rust.faults());
+    }
+    rust.faults()
+}
+
+#[test]
+fn stuck_bits_of_the_angle_and_the_alignment_are_those_of_rust() {
+    let right = told(20_000, |_| ());
+    assert_eq!((right.position.stuck_bits, right.alignment), (0, Alignment::Aligned));
+    const BIT: u32 = 1 << 22;
+    let stuck = told(20_000, |sample| {
+        if let Position::Absolute(angle) = &mut sample.position {
+            *angle = Angle::from_bits(angle.bits() & !BIT);
+        }
+    });
+    assert_eq!(stuck.position.stuck_bits, BIT);
+    let exchanged = told(20_000, |sample| {
+        if let PhaseCounts::Three([a, b, _]) = &mut sample.currents {
+            core::mem::swap(a, b);
+        }
+    });
+    assert_eq!(exchanged.alignment, Alignment::Misaligned);
 }
 
 #[test]

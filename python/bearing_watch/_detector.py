@@ -36,9 +36,9 @@ class Verdicts:
     posterior, log_likelihood : ndarray of float32, shape (s, classes)
         Of each class; NaN without a verdict.
     distance : ndarray of float32, shape (s,)
-        Distance from the healthy class in its standard deviations.
+        Distance from the healthy class in its standard deviations; NaN without a verdict.
     surprise : ndarray of float32, shape (s,)
-        −ln of the probability that a healthy segment is as distant, nats.
+        −ln of the probability that a healthy segment is as distant, nats; NaN without a verdict.
     score : ndarray of float32, shape (s,)
         Evidence so far, nats.
     alarm : ndarray of bool, shape (s,)

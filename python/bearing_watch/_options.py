@@ -83,6 +83,7 @@ class _Classifier(_Choice, total=False):
     alarm_interval_segments: float
     segments_a_run: int
     other_drive: bool
+    acceptable: float
     priors: Union[str, Sequence[str], Mapping[str, float]]
     cost: Union[str, Sequence[str], Mapping[str, float]]
 

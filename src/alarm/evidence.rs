@@ -58,8 +58,9 @@
 
 mod words;
 
+use super::contribution::Contribution;
 use super::growth::Growth;
-use super::runs::{Contribution, Runs};
+use super::runs::Runs;
 use super::silence::{Silence, SilenceLimits, Silent};
 use crate::decide::{Decision, Directions, Fall, UNMARKED};
 use crate::logarithm::ln;

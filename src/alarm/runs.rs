@@ -53,6 +53,7 @@
 
 mod scores;
 
+use super::contribution::Contribution;
 use super::growth::Growth;
 use crate::decide::{Direction, Directions, FeatureValue};
 use crate::logarithm::ln_of_level;
@@ -62,20 +63,6 @@ use crate::unroll::rolled;
 use scores::{Lesson, Scores, Terms};
 
 pub(in crate::alarm) use scores::WORDS;
-
-/// What a direction contributes to the evidence.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Contribution {
-    /// Place of the direction in the model.
-    pub direction: u8,
-    /// The mean of the last run less the drive's usual mean, in standard deviations of runs.
-    pub deviations: f32,
-    /// The largest score of the direction, nats.
-    pub score: f32,
-    /// Number of the last segment before the change.
-    pub since: u32,
-}
 
 /// The scores of all directions.
 #[derive(Clone, Debug, PartialEq)]

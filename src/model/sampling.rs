@@ -18,3 +18,23 @@ pub struct Sampling {
     /// Number of samples in a segment, after averaging.
     pub segment_samples: u32,
 }
+
+impl Sampling {
+    /// Duration of a segment, s; 0 if the sampling interval is unknown.
+    #[must_use]
+    pub fn segment_s(&self) -> f32 {
+        self.interval_s * f32::from(self.block_mean) * self.segment_samples as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_segment_of_block_means_lasts_as_long_as_all_its_samples() {
+        let sampling = Sampling { interval_s: 0.01, park: None, block_mean: 2, segment_samples: 500 };
+        assert_eq!(sampling.segment_s(), 10.0);
+        assert_eq!(Sampling { interval_s: 0.0, ..sampling }.segment_s(), 0.0);
+    }
+}

@@ -40,7 +40,6 @@
 //! except by (3); and wrong signals of a plan without a shaft.
 
 use super::balance::{Balance, Friction, Parameter, TERMS};
-use super::state::Usage;
 use crate::reason::Implausible::{
     self, AngleSteps, Current, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign,
     VelocityScale, VelocitySign,
@@ -62,6 +61,16 @@ const FEWEST_STEPS: u32 = 3;
 const SAMPLES_A_STEP: u32 = 2048;
 const LOW: f32 = core::f32::consts::FRAC_1_SQRT_2;
 const HIGH: f32 = core::f32::consts::SQRT_2;
+
+/// Samples seen and used in a segment, the bits of all motions of the angle, and steps that no motor makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Usage {
+    pub(super) seen: u32,
+    pub(super) used: u32,
+    pub(super) steps: u32,
+    pub(super) moved: u32,
+}
 
 /// The result of (2) for a parameter; a place in [`CAUSES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

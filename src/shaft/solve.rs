@@ -2,8 +2,8 @@
 
 use super::balance::Estimated;
 use super::orders::{NoiseLine, OrderStrength, Search, SlipRange};
-use super::plausibility;
-use super::state::{ShaftConstants, ShaftEstimate, ShaftSums, Usage};
+use super::plausibility::{self, Usage};
+use super::state::{ShaftConstants, ShaftEstimate, ShaftSums};
 use crate::plan::{Cells, Plan};
 use crate::reason::{Part, Reason};
 

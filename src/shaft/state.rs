@@ -5,7 +5,7 @@ use core::f32::consts::TAU;
 use super::balance::{Balance, BalanceState, BalanceSums, Friction, Torques};
 use super::delays::{BEFORE, Delay, Delays, FILTERED_RING, Lags, RING, TAPS, half_band};
 use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking};
-use super::plausibility;
+use super::plausibility::{self, Usage};
 use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
 use crate::reason::{Implausible, Part, Reason};
 use crate::signal::{Angle, Travel, TravelSums, read};
@@ -105,16 +105,6 @@ impl<P: Plan> ShaftEstimate<P> {
 struct Moment {
     torques: Torques,
     angle: Angle,
-}
-
-/// Samples seen and used in a segment, the bits of all motions of the angle, and steps that no motor makes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Usage {
-    pub(super) seen: u32,
-    pub(super) used: u32,
-    pub(super) steps: u32,
-    pub(super) moved: u32,
 }
 
 /// Running state of the shaft.

@@ -84,9 +84,9 @@ pub struct Summary<'a> {
     /// The coordinate that departs most from healthy; `None` without a healthy class or without a verdict.
     pub most: Option<Most>,
     /// What raised the alarm: the direction, by how many deviations, and since when; `None` without an alarm by a
-    /// direction, and in frames of version 1.
+    /// direction.
     pub risen: Option<Contribution>,
-    /// What each direction contributes; none in a model without directions, and in frames of version 1.
+    /// What each direction contributes; none in a model without directions.
     pub contributions: Contributions<'a>,
 }
 

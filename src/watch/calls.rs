@@ -4,6 +4,7 @@ use core::sync::atomic::Ordering;
 
 use super::Watch;
 use super::inputs::{Inputs, StartError};
+use super::link::count;
 use crate::drive::{Alignment, By, CleanSample, Factor, FrontEnd, FrontEndConstants, RawSample, WiringCheck};
 use crate::known_answers::known_answer_test;
 use crate::model::Model;
@@ -51,9 +52,11 @@ where
     }
 
     /// Takes what the current loop has read at commissioning, for a check of the wiring instead of the detector. The
-    /// velocity is one of the drive's own, rad/s, NaN if there is none.
+    /// velocity is one of the drive's own, rad/s, NaN if there is none. The times of [`Watch::clock`] count anew behind
+    /// it.
     pub fn check_wiring(&self, reading: impl Into<RawSample<FURTHER>>, velocity_rad_s: f32, check: &mut WiringCheck) {
         self.inputs.with(|inputs| inputs.front_end.check_wiring(&reading.into(), velocity_rad_s, check));
+        count(&self.link.counters.checked);
     }
 }
 

@@ -44,6 +44,8 @@ pub(super) struct Link<P: Plan> {
 pub(super) struct Counters {
     /// Samples that the detector took.
     pub(super) rows: AtomicU32,
+    /// Readings that a check of the wiring took, with wrap-around.
+    pub(super) checked: AtomicU32,
     pub(super) lost_samples: AtomicU32,
     pub(super) lost_segments: AtomicU32,
     /// Closed segments, with wrap-around.
@@ -63,6 +65,7 @@ impl<P: Plan> Link<P> {
             faults: Slot::new(),
             counters: Counters {
                 rows: AtomicU32::new(0),
+                checked: AtomicU32::new(0),
                 lost_samples: AtomicU32::new(0),
                 lost_segments: AtomicU32::new(0),
                 closed: AtomicU32::new(0),

@@ -81,6 +81,8 @@ struct Main<P: Plan> {
     liveness: Liveness,
     /// Segments with a verdict, with wrap-around.
     verdicts: u32,
+    /// Readings that the check of the wiring had when the clock was read last.
+    checked: u32,
     /// A place that the interrupt did not get yet.
     returned: Option<Place<P>>,
 }
@@ -123,10 +125,9 @@ impl<P: Plan, F> Watch<P, F> {
         let first = first.place(clear).ok_or(StartError::Started)?;
         let second = second.place(clear).ok_or(StartError::Started)?;
         *self.link.spare.try_lock().ok_or(StartError::Started)? = Some(second);
-        let interval_s = model.constants().sampling.interval_s;
-        let rate = RateCheck::of_milliseconds(interval_s);
-        let segment_s = interval_s * model.constants().sampling.segment_samples as f32;
-        let liveness = Liveness::new(LivenessLimits::of_segments(segment_s));
+        let sampling = &model.constants().sampling;
+        let rate = RateCheck::of_milliseconds(sampling.interval_s);
+        let liveness = Liveness::new(LivenessLimits::of_segments(sampling.segment_s()));
         let main = || Main {
             monitor: Monitor::new(model),
             rate,
@@ -134,6 +135,7 @@ impl<P: Plan, F> Watch<P, F> {
             on_trial: false,
             liveness,
             verdicts: 0,
+            checked: 0,
             returned: None,
         };
         let filled = self.main.fill(main) && self.collector.fill(|| Collector::new(model, first));

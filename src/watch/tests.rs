@@ -8,8 +8,9 @@ use crate::alarm::StateError;
 use crate::detector::{Detector, Monitor};
 use crate::drive::{
     Alignment, BalanceLimits, By, Factor, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample,
-    ResolverLimits, RotorFrame, TrackingConstants,
+    ResolverLimits, RotorFrame, TrackingConstants, WiringCheck, WiringLimits,
 };
+use crate::model::Model;
 use crate::plan::{MAX_CHANNELS, Signals as _};
 use crate::reason::{Implausible, Reason};
 use crate::report::{Report, Verdict};
@@ -280,6 +281,51 @@ fn what_does_not_come_any_more_is_told_once_with_the_reason() {
     // Without the main loop a segment waits, and the next ones are lost.
     let told = lapses(always, always, [0, 0], 30_000);
     assert!(told.len() == 1 && told[0].1 == Lapse::NoSegment, "{told:?}");
+}
+
+#[test]
+fn a_segment_of_block_means_has_its_whole_time_to_close() {
+    let mut constants = MODEL.constants().clone();
+    let sampling = &mut constants.sampling;
+    (sampling.interval_s, sampling.block_mean) = (0.1, 8);
+    let segment_ms = (1e3 * sampling.segment_s()) as u32;
+    let model = Box::leak(Box::new(Model::new(Drive, constants).unwrap()));
+    // Of samples without their means, three segments and three seconds would end within the first.
+    assert!(3 * segment_ms / 8 + 3_000 < segment_ms / 2);
+    let watch: &'static Watch<Drive> = Box::leak(Box::default());
+    watch.start(model).unwrap();
+    let (mut told, mut reports) = (Vec::new(), 0);
+    for (now, sample) in (0..2 * segment_ms + 1_000).step_by(100).zip(samples(1.0)) {
+        watch.sample(sample);
+        watch.collect();
+        reports += usize::from(concluded(watch).is_some());
+        told.extend(watch.clock(now));
+    }
+    assert!(reports == 2 && told.is_empty(), "{reports} {told:?}");
+}
+
+#[test]
+fn times_count_from_the_end_of_the_commissioning() {
+    let watch: &'static Watch<Drive, FrontEnd<1, 10>> = Box::leak(Box::default());
+    watch.start(&MODEL, &CONSTANTS).unwrap();
+    let limits = WiringLimits {
+        least_current_a: 0.05,
+        offset_rad: 0.1,
+        delay_s: 2e-4,
+        velocity_tolerance: 0.1,
+        slowest_rad_s: 5.0,
+    };
+    let mut check = WiringCheck::new(CONSTANTS.frame, CONSTANTS.control_rate_hz, limits);
+    // Nine seconds of commissioning, then silence.
+    let told: Vec<(u32, Lapse)> = (0..20_000)
+        .filter_map(|now| {
+            if now < 9_000 {
+                watch.check_wiring(raw(now), f32::NAN, &mut check);
+            }
+            watch.clock(now).map(|lapse| (now, lapse))
+        })
+        .collect();
+    assert_eq!(told, [(11_999, Lapse::NoSample)]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use crate::{firmware, workspace};
 
 /// The files of the core that export names.
-const EXPORTING: [&str; 10] = [
+const EXPORTING: [&str; 11] = [
     "lib.rs",
     "alarm/mod.rs",
     "drive/ad2s1210.rs",
@@ -20,9 +20,10 @@ const EXPORTING: [&str; 10] = [
     "signature/mod.rs",
     "storage/mod.rs",
     "telemetry/mod.rs",
+    "watch/mod.rs",
 ];
 /// The files of the example.
-const CALLING: [&str; 9] = [
+const CALLING: [&str; 10] = [
     "panic_free.rs",
     "support/bus_calls.rs",
     "support/converter.rs",
@@ -32,6 +33,7 @@ const CALLING: [&str; 9] = [
     "support/signature_calls.rs",
     "support/storage_calls.rs",
     "support/telemetry_calls.rs",
+    "support/watch_calls.rs",
 ];
 /// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants. And the
 /// verification of a signature, whose crate has index checks that the compiler cannot prove; all of it but the

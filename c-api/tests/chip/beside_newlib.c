@@ -26,11 +26,14 @@ static void of_bearing_watch(void) {
     BwReading now = {results[4], results[5], results[6]};
     BwReport report;
     BwAlarm alarm;
-    bw_drive_start(&drive);
+    if (bw_drive_start(&drive) < 0) {
+        return;
+    }
     bw_drive_sample(&drive, &now);
     bw_drive_collect(&drive);
-    bw_drive_advance(&drive, &report, &alarm);
-    results[2] = (float)report.verdict;
+    if (bw_drive_advance(&drive, &report, &alarm) == BW_CODE_REPORT) {
+        results[2] = (float)report.verdict;
+    }
 }
 #endif
 

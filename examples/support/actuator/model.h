@@ -42,7 +42,7 @@ enum { BW_MODEL_CLASS_HEALTHY = 0, BW_MODEL_CLASS_SPALL = 1, BW_MODEL_CLASS_ROUG
 
 /* Coordinates: each is the feature of this name, or a combination of features, z1 and so on. */
 #define BW_MODEL_COORDINATES 3u
-#define BW_MODEL_COORDINATE_NAMES { "drag", "viscous", "order_2" }
+#define BW_MODEL_COORDINATE_NAMES { "drag", "viscous", "order_inner" }
 
 /* For `bw_init`. */
 static const uint8_t bw_model[BW_MODEL_LENGTH] = {

@@ -215,6 +215,29 @@ fn a_denied_defect_is_never_learned_on_a_drive_of_any_age() {
     }
 }
 
+/// A defect that grows so slowly that no run has evidence against what was learned before it is learned up to 3.33 only.
+#[test]
+fn a_denied_defect_that_grows_slowly_is_learned_up_to_its_limit() {
+    let mut evidence = evidence_of(vec![DIRECTION], 1.645, 100);
+    for _ in 0..3 {
+        assert!((0..9).any(|_| run(&mut evidence, &[12.0]).is_some()) && evidence.deny());
+    }
+    (0..27_u8).for_each(|k| {
+        run(&mut evidence, &[2.0 + 0.05 * f32::from(k)]);
+    });
+    // What a run deviates from the reference, which the run before it has moved if it was learned.
+    let mut twice = |size: f32| {
+        [size; 2].map(|size| {
+            assert_eq!(run(&mut evidence, &[size]), None);
+            evidence.contribution(0).unwrap().deviations
+        })
+    };
+    let [first, second] = twice(3.32);
+    assert!(second < first, "{first} {second}");
+    let [first, second] = twice(3.34);
+    assert!(first == second, "{first} {second}");
+}
+
 /// An offset of 2.4 is one drive in 120, and (9) lets it be learned.
 #[test]
 fn the_denied_alarms_of_a_sound_drive_end() {

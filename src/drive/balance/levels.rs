@@ -12,7 +12,8 @@
 //!
 //! A sample counts for one phase, in turn: sixteen a turn are no multiple of three, so that each phase gets all angles.
 
-use super::{Imbalance, Phase};
+use crate::drive::Phase;
+use crate::drive::imbalance::Imbalance;
 use crate::signal::Abc;
 
 /// w of (2).

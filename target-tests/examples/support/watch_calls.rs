@@ -3,7 +3,9 @@
 use core::fmt;
 use core::hint::black_box as opaque;
 
+use bearing_watch::LivenessLimits;
 use bearing_watch::drive::*;
+use bearing_watch::model::Sampling;
 use bearing_watch::plan::Plan;
 use bearing_watch::watch::*;
 
@@ -51,7 +53,13 @@ pub fn run(mut show: impl FnMut(&dyn fmt::Display)) {
 fn below<P: Plan, F>(watch: &'static Watch<P, F>, show: &mut impl FnMut(&dyn fmt::Display)) {
     opaque(Watch::collect(watch));
     opaque(Watch::advance(watch, |now| now.alarm.is_some()));
-    opaque(Watch::clock(watch, opaque(12_345)));
+    if let Some(lapse) = Watch::clock(watch, opaque(12_345)) {
+        opaque(Lapse::message(lapse));
+        show(&lapse);
+    }
+    let [sample_s, segment_s, verdict_s] = opaque([1.0, 30.0, 1e9]);
+    Watch::limit_liveness(watch, LivenessLimits { sample_s, segment_s, verdict_s });
+    opaque(Sampling::segment_s(&MODEL.constants().sampling));
     opaque(Watch::monitor(watch, |monitor| monitor.alarm()));
     let mut bytes = opaque([0; 2048]);
     if let Err(error) = Watch::end_run(watch, &mut bytes) {

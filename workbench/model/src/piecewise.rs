@@ -79,7 +79,17 @@ pub fn estimate(trace: &Trace, cutting: &Cutting) -> Result<Pieces, Error> {
         let (y, u1, u2) = (cut(&trace.y), cut(&trace.u1), cut(&trace.u2));
         // A run that does not determine the model (for example, constant input) is skipped.
         let estimate = least_squares(
-            &Trace { id: trace.id.clone(), y, u1, u2, motion: None, further: vec![], found_late: vec![], wiring: vec![], ..*trace },
+            &Trace {
+                id: trace.id.clone(),
+                y,
+                u1,
+                u2,
+                motion: None,
+                further: vec![],
+                found_late: vec![],
+                wiring: vec![],
+                ..*trace
+            },
             STRUCTURE,
         )
         .ok()?;

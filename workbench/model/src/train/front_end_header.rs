@@ -164,7 +164,7 @@ mod tests {
     fn the_committed_header_is_that_of_the_committed_model() {
         let source = text("examples/support/actuator/model.rs");
         let notes = source.lines().skip(2).map_while(|line| line.strip_prefix("// ")).map(String::from);
-        let orders = ["inner".into()];
+        let orders = ["outer", "inner", "ball", "cage"].map(String::from);
         let header = c_header(&model(), (&notes.collect::<Vec<_>>(), &orders), Some(&recorded())).expect("a header");
         if std::env::var_os("BEARING_WATCH_WRITE_HEADER").is_some() {
             std::fs::write(format!("{ROOT}/examples/support/actuator/model.h"), &header).expect("a writable file");

@@ -60,6 +60,7 @@ mod shaft_plan;
 mod shrinkage;
 mod shrinkage_search;
 mod sight;
+mod sizes;
 pub mod statistics;
 mod table;
 mod trained;

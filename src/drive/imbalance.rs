@@ -1,0 +1,36 @@
+//! What the phase currents may say of sensors, winding and angle.
+
+use super::Phase;
+
+/// Why the three currents do not fit each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Imbalance {
+    /// No current in a phase, and the other two sum to zero: the winding or its lead is open.
+    Open(Phase),
+    /// A sensor reads no current, but the other two do not sum to zero: the sensor or its wire is broken.
+    Silent(Phase),
+    /// The gain of a sensor is wrong.
+    Gain {
+        /// The phase of the sensor.
+        phase: Phase,
+        /// Relative error (5) of its gain.
+        error: f32,
+    },
+    /// The currents do not sum to zero, and no single gain explains it: several sensors, current to earth.
+    Unnamed,
+    /// A phase stays below a level that the other two exceed: its sensor or amplifier is clipped.
+    Clipped(Phase),
+    /// A phase has no current in one direction, which the other two have: a half bridge or a sensor is broken.
+    HalfWave(Phase),
+    /// The offset of a sensor is beyond what is removed from its currents.
+    Offset {
+        /// The phase with the largest offset.
+        phase: Phase,
+        /// Offset, A.
+        offset_a: f32,
+    },
+    /// The current vector does not turn with the rotor: two phases are exchanged, the angle is reversed, the pole pairs
+    /// are wrong, or there is no field-oriented control.
+    Misaligned,
+}
