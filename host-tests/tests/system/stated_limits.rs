@@ -1,7 +1,6 @@
 //! What a healthy verdict says: the smallest defect that the segment would have shown, and no verdict where nothing
 //! was looked at. Models of the default recipe on the rig.
 
-use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use bearing_watch::model::Most;
@@ -13,6 +12,7 @@ use rig::{Condition, Defect, DefectKind, RigTrace, Scenario};
 use studies::by_default;
 use studies::campaign::run::labelled;
 use studies::campaign::{Cell, Purpose, Recording, map_traces};
+use studies::field::limits::{amplitude_a, stated};
 
 /// A number far from those of the documents, so that these are other records.
 const REPETITION: u32 = 710;
@@ -45,16 +45,7 @@ fn judged(model: &Embedded, recording: Recording) -> SegmentReport {
 
 /// The smallest amplitude at the outer race that the segment would have shown, A.
 fn outer_a(model: &Embedded, segment: &SegmentReport) -> f64 {
-    let names = model.coordinate_names(&["outer", "inner", "ball", "cage"].map(String::from));
-    let of_outer = |(k, _): &&(u8, f32)| names[usize::from(*k)] == "order_outer";
-    segment.smallest.iter().find(of_outer).map_or(f64::INFINITY, |(_, size)| f64::from(*size))
-}
-
-/// Amplitude of the first harmonic of the pulses of a spall of this size, A: ½ (1 − cos) over a part w of a period.
-fn amplitude_a(severity: f64) -> f64 {
-    let (w, kt, full_nm) = (0.15, 0.05, 0.06);
-    let harmonic = w * (PI * w).sin() / (PI * w) / (1.0 - w * w);
-    severity * full_nm * harmonic / kt
+    stated(model, segment, &["order_outer"]).unwrap_or(f64::INFINITY)
 }
 
 /// Of spalls near the stated limit of their own record nine in ten are called.

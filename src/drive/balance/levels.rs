@@ -15,6 +15,7 @@
 use crate::drive::Phase;
 use crate::drive::imbalance::Imbalance;
 use crate::signal::Abc;
+use crate::unroll::rolled;
 
 /// w of (2).
 const NOISE: f32 = 6.0;
@@ -35,6 +36,15 @@ struct Reach {
     count: f32,
     square: f32,
     product: f32,
+}
+
+impl Reach {
+    /// Whether the gain is right where the current is small.
+    fn has_gain(&self, noise_a: f32) -> bool {
+        // The noise of the own sensor is σ²/3 of the products.
+        let most = GAIN * self.square + self.count * noise_a * noise_a / 3.0;
+        self.product.abs() <= most && self.square > 0.0
+    }
 }
 
 /// The phases in a window, and the one of the last sample.
@@ -72,16 +82,15 @@ impl Levels {
     }
 
     /// The phase that reaches least of what the others say (2); σ is the noise of s.
+    #[cold]
+    #[inline(never)]
     pub(super) fn found(&self, noise_a: f32) -> Option<Imbalance> {
         let mut found = (0.0, None);
-        for (reach, phase) in self.reaches.iter().zip(Phase::ALL) {
-            for (measured, others) in reach.measured.iter().zip(reach.by_others) {
+        for (reach, phase) in rolled(self.reaches.as_slice()).iter().zip(Phase::ALL) {
+            for (measured, others) in rolled(reach.measured.as_slice()).iter().zip(reach.by_others) {
                 let lacks = others - measured - (NOISE * noise_a).max(PART * others);
                 let half = *measured < NO_CURRENT * others;
-                // The noise of the own sensor is σ²/3 of the products.
-                let most = GAIN * reach.square + reach.count * noise_a * noise_a / 3.0;
-                let is_gain = !(reach.product.abs() <= most && reach.square > 0.0);
-                if lacks > found.0 && (half || !is_gain) {
+                if lacks > found.0 && (half || reach.has_gain(noise_a)) {
                     found = (lacks, Some(if half { Imbalance::HalfWave(phase) } else { Imbalance::Clipped(phase) }));
                 }
             }

@@ -10,7 +10,7 @@ use studies::ema;
 use studies::field::delay;
 use studies::field::growth;
 use studies::field::sessions::{self, Fleet};
-use studies::field::{self, bounds};
+use studies::field::{self, bounds, limits};
 use studies::healthy_sets::{self, sets::SETS};
 use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
 
@@ -24,6 +24,7 @@ use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
   bearing-watch campaign --field --draws 20
   bearing-watch campaign --field --draws 2 --only mix,temperature,field-sine --json
   bearing-watch campaign --field --bounds --draws 1
+  bearing-watch campaign --field --limits --draws 1
   bearing-watch campaign --field --sessions --draws 10
   bearing-watch campaign --ema --draws 5
   bearing-watch campaign --ema --default --draws 5
@@ -61,6 +62,9 @@ pub(super) struct Args {
     /// What one record can tell: bounds of an ideal detector, beside what is found
     #[arg(long, requires = "field", conflicts_with = "out")]
     bounds: bool,
+    /// Defects as large as the limit that their own healthy verdict states, and how many of them are called; one draw
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "report"])]
+    limits: bool,
     /// False alarms of a fleet, session by session on drives that were not in training, and mean time of its alarm
     #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features"])]
     sessions: bool,
@@ -77,7 +81,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
     features: Vec<String>,
     /// The detector of a user who names no features, instead of the one of the recipe; with --field or --ema
-    #[arg(long, conflicts_with_all = ["features", "bounds", "sessions", "quick", "healthy_sets"])]
+    #[arg(long, conflicts_with_all = ["features", "bounds", "sessions", "quick", "healthy_sets", "limits"])]
     default: bool,
     /// Gates of healthy sets that are not normal, not independent, or not healthy
     #[arg(long, conflicts_with_all = ["traces", "quick", "field", "ema", "out", "report"])]
@@ -169,6 +173,13 @@ fn run_field(args: &Args) -> Result<(), Error> {
         default: args.default,
         ..field::Settings::standard(args.repetitions, args.first)
     };
+    if args.limits {
+        let all = each("limits", &rows, |row| limits::limits(row, args.first))?;
+        if args.json {
+            return output::json("campaign-limits", limits::to_json(&all));
+        }
+        return output::say(limits::text(&all).trim_end());
+    }
     if args.bounds {
         return run_bounds(args, &settings);
     }

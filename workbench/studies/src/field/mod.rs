@@ -16,6 +16,7 @@
 //! | [`settings`] | draws, and records of each |
 //! | [`run`] | one draw of one row |
 //! | [`tally`] | counts, and rates with intervals |
+//! | [`limits`] | defects at the limit that a healthy verdict states |
 //! | [`delay`] | hours between false alarms and runs until the alarm |
 //! | [`growth`] | size of a growing defect and the time left, beside the truth |
 //! | [`sessions`] | false alarms of a fleet, drive by drive and day by day |
@@ -25,6 +26,7 @@ pub mod bounds;
 pub mod default;
 pub mod delay;
 pub mod growth;
+pub mod limits;
 pub mod picture;
 pub mod recipe;
 pub mod render;
