@@ -15,7 +15,6 @@
 use crate::drive::Phase;
 use crate::drive::imbalance::Imbalance;
 use crate::signal::Abc;
-use crate::unroll::rolled;
 
 /// w of (2).
 const NOISE: f32 = 6.0;
@@ -39,11 +38,17 @@ struct Reach {
 }
 
 impl Reach {
-    /// Whether the gain is right where the current is small.
-    fn has_gain(&self, noise_a: f32) -> bool {
+    /// By how much the phase stays below what the others say (2), and whether it has no current there; 0 if its gain is
+    /// wrong where the current is small.
+    // Out of line: six calls of it are smaller than six copies.
+    #[inline(never)]
+    fn lacks(&self, [measured, others]: [f32; 2], noise_a: f32) -> (f32, bool) {
+        let half = measured < NO_CURRENT * others;
         // The noise of the own sensor is σ²/3 of the products.
         let most = GAIN * self.square + self.count * noise_a * noise_a / 3.0;
-        self.product.abs() <= most && self.square > 0.0
+        let has_gain = self.product.abs() <= most && self.square > 0.0;
+        let lacks = others - measured - (NOISE * noise_a).max(PART * others);
+        (if half || has_gain { lacks } else { 0.0 }, half)
     }
 }
 
@@ -86,11 +91,10 @@ impl Levels {
     #[inline(never)]
     pub(super) fn found(&self, noise_a: f32) -> Option<Imbalance> {
         let mut found = (0.0, None);
-        for (reach, phase) in rolled(self.reaches.as_slice()).iter().zip(Phase::ALL) {
-            for (measured, others) in rolled(reach.measured.as_slice()).iter().zip(reach.by_others) {
-                let lacks = others - measured - (NOISE * noise_a).max(PART * others);
-                let half = *measured < NO_CURRENT * others;
-                if lacks > found.0 && (half || reach.has_gain(noise_a)) {
+        for (reach, phase) in self.reaches.iter().zip(Phase::ALL) {
+            for (measured, others) in reach.measured.into_iter().zip(reach.by_others) {
+                let (lacks, half) = reach.lacks([measured, others], noise_a);
+                if lacks > found.0 {
                     found = (lacks, Some(if half { Imbalance::HalfWave(phase) } else { Imbalance::Clipped(phase) }));
                 }
             }
