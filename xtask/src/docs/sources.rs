@@ -21,7 +21,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 28] = [
+pub const SOURCES: [Source; 29] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| {
         printed(("system", "demo"), "book/src/introduction.md", "standard_rig::twenty_draws")
@@ -45,6 +45,7 @@ pub const SOURCES: [Source; 28] = [
     slow("field-bounds", Tolerance::Exact, |_| {
         workbench("campaign --field --bounds --draws 1", "field-bounds", results::FIELD)
     }),
+    slow("field-limits", Tolerance::Exact, |_| workbench("campaign --field --limits", "field-limits", results::FIELD)),
     slow("field-sessions", Tolerance::Exact, |_| {
         workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
     }),

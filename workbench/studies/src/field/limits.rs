@@ -32,8 +32,9 @@ const PARTS: [f64; 2] = [1.0, 1.0 / 1.3];
 const QUANTILES: [f64; 3] = [0.2, 0.5, 0.8];
 /// A size counts as that of the limit within this factor.
 const NEAR: f64 = 1.15;
-/// Severities are multiples of this, and at most [`LARGEST`].
+/// Severities are multiples of this, at least [`SMALLEST`], so that rounding does not matter, and at most [`LARGEST`].
 const STEP: f64 = 1.0 / 1920.0;
+const SMALLEST: f64 = 8.0 * STEP;
 const LARGEST: f64 = 2.1;
 /// The kinds of defects, with the names of features whose limit is that of their size.
 const KINDS: [(DefectKind, &[&str]); 2] =
@@ -116,14 +117,13 @@ impl Bench {
         limits.sort_unstable_by(f64::total_cmp);
         let called = |part: f64| -> Result<Rate, Error> {
             let (mut called, mut near) = (0, 0);
-            let mut sizes = QUANTILES.map(|at| {
+            let mut sizes = Vec::from(QUANTILES.map(|at| {
                 let limit = limits[(at * (limits.len() - 1) as f64).round() as usize];
                 (limit * part / STEP).round() * STEP
-            });
-            sizes.iter_mut().for_each(|size| *size = size.max(STEP));
-            let mut sizes: Vec<f64> = sizes.into_iter().filter(|size| *size <= LARGEST).collect();
+            }));
+            // The same size would be the same records.
             sizes.dedup();
-            for severity in sizes {
+            for severity in sizes.into_iter().filter(|size| (SMALLEST..=LARGEST).contains(size)) {
                 let defect = Defect { kind: kind.0, severity };
                 let found = self.judged(defect, RECORDS[2], |segment| {
                     let ratio = severity / (part * self.severity(segment, kind)?);
@@ -187,7 +187,8 @@ pub fn text(all: &[Limits]) -> String {
                 || vec!["–".to_string(); 3],
                 |kind| {
                     let size = format!("{:.3}", kind.limits[kind.limits.len() / 2]);
-                    vec![size, percent(kind.called[0]), percent(kind.called[1])]
+                    let told = |rate: Rate| if rate.value.is_finite() { percent(rate) } else { "–".into() };
+                    vec![size, told(kind.called[0]), told(kind.called[1])]
                 },
             ));
         }
