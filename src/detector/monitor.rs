@@ -178,7 +178,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     }
 
     /// Segments from now on count under reserve, until [`Monitor::refuse`] says whether their samples are good. If a
-    /// report is withdrawn meanwhile, those of the trial before it go with it.
+    /// report of the trial is withdrawn, those of the trial before it go with it.
     pub fn begin_trial(&mut self) {
         self.settle(false);
         self.evidence_before.clone_from(&self.evidence);

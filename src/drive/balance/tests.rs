@@ -325,3 +325,18 @@ fn two_phases_that_explain_the_sum_alike_are_not_named() {
     };
     assert!(named(0.9, 0.6) && !named(0.9, 0.8));
 }
+
+#[test]
+fn an_alignment_that_was_told_stays_and_one_that_is_unknown_is_told_later() {
+    let mut balance = CurrentBalance::new(LIMITS);
+    let mut windows = |amplitude_a: f64, count: u32| {
+        for k in 1..=count * u32::from(LIMITS.window) {
+            let electrical = Angle::from_counts(k % 16, 4);
+            let [a, b, c] = three(amplitude_a, f64::from(electrical.radians())).map(|i| i as f32);
+            balance.push(Abc { a, b, c }, electrical, electrical.sin_cos());
+        }
+        balance.alignment()
+    };
+    assert_eq!([windows(0.0, 7), windows(0.0, 1)], [Alignment::Undecided, Alignment::Unknown]);
+    assert_eq!([windows(10.0, 1), windows(0.0, 20)], [Alignment::Aligned; 2]);
+}

@@ -217,3 +217,20 @@ fn no_order_contains_what_replaces_a_lost_sample() {
         assert!((expected..=expected + 1).contains(&missing), "{at} {lag}: {missing}");
     }
 }
+
+/// 1/8 turn, a block of the travel, is 40 samples of 1 ms at 20 rad/s.
+#[test]
+fn no_block_of_the_motion_goes_on_over_a_lost_sample() {
+    let (plan, constants) = (plan(1), constants(0.0, 1));
+    let ratio = |every: u32, lost: u32| {
+        let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
+        for k in 0..4000_u32 {
+            let angle = Angle::from_radians(0.02 * k as f32);
+            let sample = RunTimeSample { values: vec![1.0, 20.0, 0.1], angle };
+            shaft.step(&mut sums, plan, &constants, (&sample, k % every >= lost));
+        }
+        sums.travel.ratio(0.001)
+    };
+    assert_eq!([ratio(38, 1), ratio(38, 8), ratio(55, 10)], [None; 3]);
+    assert!((ratio(90, 10).unwrap() - 1.0).abs() < 1e-3);
+}
