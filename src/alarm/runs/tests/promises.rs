@@ -12,6 +12,13 @@ fn fresh() -> Evidence<RunTime> {
     evidence_of(vec![DIRECTION], 1.645, 100)
 }
 
+/// The state as words.
+fn words(evidence: &Evidence<RunTime>) -> Vec<u32> {
+    let mut words = Vec::new();
+    evidence.save_words(&mut |word| words.push(word));
+    words
+}
+
 /// Takes two runs that raise the alarm.
 fn alarmed(evidence: &mut Evidence<RunTime>) {
     assert!((0..2).find_map(|_| run(evidence, &[12.0])).is_some());
@@ -45,6 +52,18 @@ fn the_growth_of_a_drive_is_relative_to_its_own_mean() {
     assert!(near(apart.low, usual.low) && near(apart.high, usual.high), "{apart:?} {usual:?}");
 }
 
+/// The last word of a state is the age of the growth.
+#[test]
+fn the_age_of_a_growth_does_not_count_runs_that_are_usual_for_the_drive() {
+    for usual in [0.0, 3.0] {
+        let mut evidence = fresh();
+        (0..30).for_each(|_| _ = run(&mut evidence, &[usual]));
+        assert_eq!(words(&evidence).pop().map(f32::from_bits), Some(0.0), "{usual}");
+        (0..20).for_each(|_| _ = run(&mut evidence, &[usual + 3.0]));
+        assert!(words(&evidence).pop().map(f32::from_bits) > Some(0.0), "{usual}");
+    }
+}
+
 #[test]
 fn a_state_is_restored_however_many_alarms_were_denied() {
     let mut evidence = fresh();
@@ -52,9 +71,7 @@ fn a_state_is_restored_however_many_alarms_were_denied() {
         alarmed(&mut evidence);
         assert!(evidence.deny());
         run(&mut evidence, &[0.0]);
-        let (mut words, mut restored) = (Vec::new(), fresh());
-        evidence.save_words(&mut |word| words.push(word));
-        let mut words = words.into_iter();
+        let (mut words, mut restored) = (words(&evidence).into_iter(), fresh());
         assert_eq!(restored.restore_words(&mut || words.next()), Some(()), "{denial}");
         assert_eq!(restored, evidence, "{denial}");
     }
