@@ -205,6 +205,7 @@ fn the_first_ten_seconds_go_with_a_wrong_rate_and_later_ones_stay() {
         assert_eq!(take(state, SEGMENT, true), BwCode::Report);
         let wrong = if left == 0 { BwCode::WrongRate } else { BwCode::Ok };
         assert_eq!((check(samples, 10_000), alarm(state).segments), (wrong, left));
+        check(samples, 10_001);
         assert_eq!(take(state, SEGMENT, true), BwCode::Report);
         check(samples + 20_000, 20_000);
         assert_eq!(alarm(state).segments, left + 1);

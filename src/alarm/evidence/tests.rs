@@ -219,6 +219,18 @@ fn only_segments_in_a_row_without_a_verdict_are_a_silence() {
 }
 
 #[test]
+fn without_other_limits_a_silence_is_a_day_or_ten_thousand_segments() {
+    let first = |segment_s: f32| {
+        let mut evidence = evidence(Some(0)).of_model(1, segment_s);
+        (1..20_000).find(|_| {
+            evidence.observe(None);
+            evidence.silence().is_some()
+        })
+    };
+    assert_eq!([0.0, 1.0, 60.0, 3600.0].map(first), [Some(10_000), Some(10_000), Some(1440), Some(24)]);
+}
+
+#[test]
 fn a_reset_ends_a_silence_and_keeps_its_limits() {
     let mut evidence = evidence(Some(0));
     evidence.limit_silence(SilenceLimits { segments: 2, hours: 0.0 });

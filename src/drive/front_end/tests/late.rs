@@ -54,6 +54,24 @@ fn a_stuck_converter_is_found_late() {
 }
 
 #[test]
+fn a_stuck_bit_is_found_late_and_ends_with_a_later_comparison() {
+    let mut front_end = FrontEnd::<2, 8>::new(&CONSTANTS).unwrap();
+    let (mut late, mut missing) = (0, 0);
+    for number in 0..30_000 {
+        let mut raw = Drive { passed_hz: 300.0 }.raw(number, 0.0);
+        if let (Position::Absolute(angle), 3000..15_000) = (&mut raw.position, number) {
+            *angle = Angle::from_bits(angle.bits() | 1 << 20);
+        }
+        let Some(clean) = front_end.push(&raw) else { continue };
+        late += u32::from(clean.found_late);
+        missing += u32::from(number > 9000 && clean.velocity_rad_s.is_nan());
+        assert!(number < 24_000 || clean.velocity_rad_s.is_finite(), "{number}");
+    }
+    assert_eq!((late, front_end.faults().position.stuck_bits), (1, 1 << 20));
+    assert!(missing > 700, "{missing}");
+}
+
+#[test]
 fn a_fault_that_comes_back_is_found_late_again() {
     let (late, faults) = found_late(15_000, |raw| {
         if (2000..5000).contains(&raw.number) || (9000..12_000).contains(&raw.number) {
