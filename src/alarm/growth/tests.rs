@@ -187,3 +187,12 @@ fn a_run_counts_for_sixteen_usual_ones_at_most() {
     assert_eq!(passed(1000.0), passed(16.0));
     assert!(passed(15.0).level < passed(16.0).level);
 }
+
+#[test]
+fn there_is_no_time_left_to_a_size_that_is_none() {
+    let grown = course(80, |run| 0.25 * run as f32);
+    assert!(grown.growth(0.0, 0.02, 30.0).is_growing());
+    for named in [0.0, -30.0, f32::NAN] {
+        assert!(!grown.growth(0.0, 0.02, named).is_growing(), "{named}");
+    }
+}

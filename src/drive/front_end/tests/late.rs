@@ -132,3 +132,26 @@ fn what_the_check_of_the_wiring_takes_does_not_mix_with_what_follows() {
         assert_eq!(front_end.faults().gaps, 0);
     }
 }
+
+#[test]
+fn numbers_that_wrap_are_no_gap() {
+    let mut front_end = FrontEnd::<2, 8>::new(&CONSTANTS).unwrap();
+    let mut good = 0;
+    for k in 0..4000_u32 {
+        let number = k.wrapping_sub(2000);
+        let clean = front_end.push(&RawSample { number, ..Drive { passed_hz: 300.0 }.raw(k, 0.0) });
+        good += u32::from(clean.is_some_and(|clean| clean.velocity_rad_s.is_finite()));
+    }
+    assert!(front_end.faults().is_clear() && good > 450, "{good}");
+}
+
+#[test]
+fn a_velocity_is_not_that_of_readings_on_both_sides_of_a_gap() {
+    let mut front_end = FrontEnd::<2, 8>::new(&CONSTANTS).unwrap();
+    let mut lock_after = |number: u32| {
+        front_end.push(&Drive { passed_hz: 300.0 }.raw(number, 0.0));
+        front_end.faults().lock
+    };
+    assert!([0, 5, 9].map(&mut lock_after).iter().all(|lock| matches!(lock, Lock::Found(_))), "each is a first one");
+    assert!(matches!(lock_after(10), Lock::Settling(_)));
+}
