@@ -274,6 +274,23 @@ fn a_doubt_does_not_bring_a_denied_alarm_back() {
 }
 
 #[test]
+fn what_a_trial_takes_out_does_not_bring_a_denied_alarm_back() {
+    let model = gated();
+    let ways: [fn(&mut Monitor<'_, Drive>, u32); 2] =
+        [|monitor, _| monitor.refuse(Some(Implausible::Rate)), |monitor, number| assert!(monitor.withdraw(number))];
+    for take_out in ways {
+        let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
+        let mut all = stream(&[40.0; 9]);
+        (0..2).for_each(|_| _ = monitor.conclude(segment(&mut detector, &mut all)));
+        monitor.begin_trial();
+        assert!(monitor.deny());
+        monitor.conclude(segment(&mut detector, &mut all));
+        take_out(&mut monitor, detector.discard().expect("no sample of the next segment yet"));
+        assert_eq!((monitor.alarm(), monitor.evidence().score()), (None, 0.0));
+    }
+}
+
+#[test]
 fn the_last_report_of_a_run_that_has_ended_stands() {
     let model = gated();
     let (mut monitor, number) = doubted(&model, 1);
