@@ -293,6 +293,24 @@ mod tests {
     }
 
     #[test]
+    fn samples_lost_before_a_reset_are_no_gap_behind_it() {
+        let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
+        let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);
+        let sample = values.as_ptr();
+        // SAFETY: the memory is there as long as the state is used.
+        unsafe {
+            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            assert_eq!(code, BwCode::Ok);
+            let state = at(own).unwrap();
+            let _busy = state.sampling.with(|_| [0; 5].map(|_| bw_collect(own, sample, 3, 0)));
+            assert_eq!([bw_reset(own), bw_collect(own, sample, 3, 0)], [BwCode::Ok; 2]);
+            let counted = state.sampling.with(|detector| (detector.pending(), detector.counts().rejected));
+            assert_eq!(counted, Ok((1, 0)));
+            assert_eq!(state.lost_samples.load(Ordering::Relaxed), 5, "counted since the start");
+        }
+    }
+
+    #[test]
     fn a_step_waits_for_the_segment_of_the_interrupt() {
         let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
         let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);

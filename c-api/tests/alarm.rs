@@ -59,3 +59,16 @@ fn what_resembles_no_defect_is_not_known() {
     let raised = (0..4).map(|_| take(state, 0, 5.0)).find(|alarm| alarm.raised).expect("an alarm");
     assert_eq!(told(&raised), (true, false, 0, raised.segments));
 }
+
+#[test]
+fn an_alarm_stands_until_it_is_denied_or_reset() {
+    let mut memory = Memory::new();
+    let state = memory.state(&bytes(&alarmed::model())).expect("good model");
+    for afresh in [bw_deny, bw_reset] {
+        assert!((0..4).any(|_| take(state, SPALL, 1.0).raised));
+        assert!((0..3).all(|_| take(state, 0, 1.0).raised), "healthy");
+        // SAFETY: the state is initialised.
+        assert_eq!(unsafe { afresh(state) }, BwCode::Ok);
+        assert_eq!((told(&alarm(state)), alarm(state).score), ((false, false, 0, 0), 0.0));
+    }
+}

@@ -95,3 +95,49 @@ fn a_segment_of_block_means_has_its_whole_time_to_close() {
     // 80 s: of samples without their means, three segments and three seconds would be 33 s.
     assert_eq!(told_at_once(&bytes(&model), 17_000, 10, [0.0; 3]), (vec![], 2));
 }
+
+/// The codes of the clock below 0, of samples that come so often in a second for so many seconds; before each but the
+/// first there is a pause of five seconds, and a restart.
+fn told_of_rates(rates: &[(u32, u32)]) -> Vec<BwCode> {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("a good model");
+    let (mut samples, mut now, mut told) = (0, 0, Vec::new());
+    for (place, (rate_hz, seconds)) in rates.iter().enumerate() {
+        if place > 0 {
+            now += 5_000;
+            // SAFETY: the state is initialised.
+            assert_eq!(unsafe { bw_restart(state) }, BwCode::Ok);
+        }
+        for _ in 0..10 * seconds {
+            samples += rate_hz / 10;
+            now += 100;
+            // SAFETY: the state is initialised.
+            told.push(unsafe { bw_clock(state, samples, now) });
+        }
+    }
+    told.retain(|code| (*code as i32) < 0);
+    told
+}
+
+#[test]
+fn a_pause_before_a_restart_does_not_count() {
+    assert_eq!(told_of_rates(&[(500, 14), (500, 12)]), []);
+}
+
+#[test]
+fn a_wrong_rate_is_told_again_once_it_was_right() {
+    assert_eq!(told_of_rates(&[(1000, 30), (500, 15), (250, 30)]), [BwCode::WrongRate; 2]);
+}
+
+#[test]
+fn with_other_times_they_count_anew() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("a good model");
+    // SAFETY: the state is initialised.
+    unsafe {
+        assert_eq!([bw_clock(state, 0, 0), bw_clock(state, 0, 900)], [BwCode::Ok; 2]);
+        assert_eq!(bw_limit_liveness(state, 1.0, 15.0, 40.0), BwCode::Ok);
+        let codes = [1_100, 2_099, 2_100].map(|now| bw_clock(state, 0, now));
+        assert_eq!(codes, [BwCode::Ok, BwCode::Ok, BwCode::NoSample]);
+    }
+}

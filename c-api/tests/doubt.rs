@@ -142,6 +142,90 @@ fn verdicts_that_are_missing_for_too_long_are_told_with_their_reason() {
     assert!(!alarm(state).silent, "a verdict ends it");
 }
 
+/// A segment takes ten seconds.
+#[test]
+fn a_silence_counts_the_hours_of_the_segments() {
+    for (seconds, expected) in [(9.0, [true; 3]), (19.0, [false, true, true]), (29.0, [false, false, true])] {
+        let mut memory = Memory::new();
+        let state = memory.state(FILE).expect("good model");
+        // SAFETY: the state is initialised, and the values are there.
+        let silent = unsafe {
+            assert_eq!(bw_limit_silence(state, 0, seconds / 3600.0), BwCode::Ok);
+            [(); 3].map(|()| {
+                (0..SEGMENT).for_each(|_| _ = bw_step(state, [f32::NAN, 1.0, 0.1].as_ptr(), 3, 0));
+                alarm(state).silent
+            })
+        };
+        assert_eq!(silent, expected, "{seconds} s");
+    }
+}
+
+#[test]
+fn after_a_reset_or_a_restored_state_there_is_no_report_and_nothing_to_solve() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    let (mut bytes, mut report) = ([0; 512], MaybeUninit::<BwReport>::uninit());
+    // SAFETY: the state is initialised, and the places are writable.
+    unsafe {
+        let mut size = 0;
+        assert_eq!([bw_saved_size(state, &raw mut size), bw_save(state, bytes.as_mut_ptr(), 512)], [BwCode::Ok; 2]);
+        let restore = || bw_restore(state, bytes.as_ptr(), size);
+        let ways: [&dyn Fn() -> BwCode; 2] = [&|| bw_reset(state), &restore];
+        for afresh in ways {
+            assert_eq!(take(state, SEGMENT, true), BwCode::Report);
+            assert_eq!((afresh(), bw_report(state, report.as_mut_ptr())), (BwCode::Ok, BwCode::NoReport));
+            assert_eq!((alarm(state).segments, alarm(state).score), (0, 0.0));
+            assert_eq!((take(state, SEGMENT, false), bw_advance(state)), (BwCode::Segment, BwCode::Ok));
+            assert_eq!([afresh(), bw_advance(state), bw_end_run(state)], [BwCode::Ok, BwCode::Idle, BwCode::Ok]);
+            assert_eq!(alarm(state).segments, 0, "what was being solved is left out");
+        }
+    }
+}
+
+#[test]
+fn a_closed_segment_and_a_report_remain_after_a_restart() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    assert_eq!(take(state, SEGMENT, false), BwCode::Segment);
+    // SAFETY: the state is initialised.
+    unsafe {
+        assert_eq!([bw_restart(state), bw_conclude(state)], [BwCode::Ok, BwCode::Report]);
+        assert_eq!((told(state), bw_restart(state), told(state)), (GOOD, BwCode::Ok, GOOD));
+    }
+}
+
+#[test]
+fn the_first_ten_seconds_go_with_a_wrong_rate_and_later_ones_stay() {
+    for (samples, left) in [(10_001, 0), (5_001, 1)] {
+        let mut memory = Memory::new();
+        let state = memory.state(FILE).expect("good model");
+        // SAFETY: the state is initialised.
+        let check = |samples, milliseconds| unsafe { bw_clock(state, samples, milliseconds) };
+        assert_eq!(check(1, 0), BwCode::Ok);
+        assert_eq!(take(state, SEGMENT, true), BwCode::Report);
+        let wrong = if left == 0 { BwCode::WrongRate } else { BwCode::Ok };
+        assert_eq!((check(samples, 10_000), alarm(state).segments), (wrong, left));
+        check(samples, 10_001);
+        assert_eq!(take(state, SEGMENT, true), BwCode::Report);
+        check(samples + 20_000, 20_000);
+        assert_eq!(alarm(state).segments, left + 1);
+    }
+}
+
+#[test]
+fn no_segment_has_a_verdict_before_the_wiring_is_known() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    let mut tell = |alignment: BwAlignment| {
+        // SAFETY: the state is initialised.
+        assert_eq!(unsafe { bw_tell_alignment(state, alignment as u8) }, BwCode::Ok);
+        take(state, SEGMENT, true);
+        told(state).1
+    };
+    assert_eq!([BwAlignment::Undecided, BwAlignment::Misaligned].map(&mut tell), [BwReason::Implausible; 2]);
+    assert_eq!([BwAlignment::Aligned, BwAlignment::Unknown].map(&mut tell), [BwReason::None; 2]);
+}
+
 #[test]
 fn a_reset_leaves_neither_a_closed_segment_nor_missed_samples() {
     let mut memory = Memory::new();

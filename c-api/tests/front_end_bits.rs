@@ -88,16 +88,16 @@ fn same_faults(c: &BwFrontEndFaults, rust: &Faults) {
         Some(Imbalance::Clipped(_)) => (BwImbalance::Clipped, 0.0),
         Some(Imbalance::HalfWave(_)) => (BwImbalance::HalfWave, 0.0),
     };
+    let (position, resolver) = (rust.position, rust.position.resolver);
     assert_eq!((c.imbalance, c.gain_error), imbalance);
     assert_eq!((c.clear, c.unbalanced_windows, c.gaps), (rust.is_clear(), rust.unbalanced_windows, rust.gaps));
     assert_eq!((c.offsets_a, c.alignment), (rust.offsets_a, rust.alignment.into()));
     assert_eq!(
-        (c.position_stale, c.position_slipped, c.position_unsteady, c.position_stuck_bits),
-        (rust.position.stale, rust.position.slipped, rust.position.unsteady_windows, rust.position.stuck_bits)
+        [c.position_stale, c.position_slipped, c.position_unsteady, c.position_stuck_bits],
+        [position.stale, position.slipped, position.unsteady_windows, position.stuck_bits]
     );
     assert_eq!(c.saturated, rust.currents.map(|own| own.saturated));
     assert_eq!(c.stuck, rust.currents.map(|own| own.stuck));
-    let (position, resolver) = (rust.position, rust.position.resolver);
     assert_eq!(
         (c.position_missing, c.position_strayed, c.lock_losses),
         (position.missing, position.strayed, position.losses)

@@ -175,6 +175,18 @@ mod tests {
     }
 
     #[test]
+    fn sizes_do_not_depend_on_what_the_segment_has() {
+        let of = |values: [f32; 4]| {
+            let (classifier, mut sizes) = (classifier(), vec![f32::INFINITY; 5]);
+            let _departure = classifier.novelty.judge_with(&values, &[0.1; 4], &mut sizes);
+            classifier.smallest((None, None, &[]), &mut sizes);
+            sizes
+        };
+        assert!(of([0.0; 4])[1] < 1.0);
+        assert_eq!(of([9.0, -3.0, 5.0, 7.0]), of([0.0; 4]));
+    }
+
+    #[test]
     fn friction_is_acceptable_at_twice_the_usual_size_or_a_tenth() {
         let friction = |variance: f32| smallest([variance; 4], &classifier()).1;
         // The score of a small deviation stays below a tenth of the nominal value.

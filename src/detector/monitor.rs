@@ -178,7 +178,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     }
 
     /// Segments from now on count under reserve, until [`Monitor::refuse`] says whether their samples are good. If a
-    /// report is withdrawn meanwhile, those of the trial before it go with it.
+    /// report of the trial is withdrawn, those of the trial before it go with it.
     pub fn begin_trial(&mut self) {
         self.settle(false);
         self.evidence_before.clone_from(&self.evidence);
@@ -363,7 +363,12 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Denies the alarm that stands, because the bearing was inspected and is sound ([`Evidence::deny`]).
     pub fn deny(&mut self) -> bool {
         self.settle(false);
-        self.evidence.deny()
+        let denied = self.evidence.deny();
+        if denied {
+            // What a trial takes out does not bring the alarm back.
+            self.evidence_before.clone_from(&self.evidence);
+        }
+        denied
     }
 
     /// Starts afresh, as after a repair: alarm, scores, counts and silence.

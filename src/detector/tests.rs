@@ -260,6 +260,15 @@ fn a_report_from_before_a_restart_is_not_adopted() {
 }
 
 #[test]
+fn a_report_from_before_a_discarded_part_is_not_adopted() {
+    let mut detector = Detector::new(&MODEL);
+    let report = conclude(&MODEL, segment(&mut detector, samples(0.5)));
+    assert!(detector.clone().adopt(&report));
+    detector.discard();
+    assert!(!detector.adopt(&report));
+}
+
+#[test]
 fn what_another_model_made_is_refused() {
     let (model, other) = (gated(), changed(|c| c.classifier.discriminant.means = [0.5, 1.1]));
     let collect = |model: &Model<Drive>| {

@@ -113,3 +113,6 @@ pub(super) fn log<P: Plan>(model: &Model<P>, report: &Report<P>) {
     #[cfg(not(all(feature = "defmt", target_os = "none")))]
     let _ = (model, report);
 }
+
+#[cfg(test)]
+mod tests;

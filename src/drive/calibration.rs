@@ -267,6 +267,15 @@ mod tests {
     }
 
     #[test]
+    fn counts_behind_the_last_sample_are_ignored() {
+        let mut calibration = OffsetCalibration::new(CalibrationLimits { samples: 100, ..LIMITS });
+        (0..100).for_each(|k| _ = calibration.push(&PhaseCounts::Three([2050 + k % 3; 3])));
+        let before = calibration.clone();
+        (0..100).for_each(|_| assert!(calibration.push(&PhaseCounts::Three([4095, 0, 4095]))));
+        assert_eq!(calibration, before);
+    }
+
+    #[test]
     fn two_sensors_leave_the_third_as_it_was() {
         let mut calibration = OffsetCalibration::new(CalibrationLimits { samples: 2, ..LIMITS });
         calibration.push(&PhaseCounts::Two([2040, 2060]));

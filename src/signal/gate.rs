@@ -185,6 +185,19 @@ mod tests {
     }
 
     #[test]
+    fn each_channel_is_stuck_by_itself() {
+        let channels = CHANNELS.map(|channel| Channel { stuck_samples: 3, ..channel });
+        for (place, mask) in [(0, 1), (1, 2)] {
+            let mut gate = Gate::new(Two);
+            let refused = [1.0, 2.0, 3.0].map(|x| {
+                let sample = if place == 0 { Pair { y: 7.0, u: x } } else { Pair { y: x, u: 7.0 } };
+                gate.refused(&channels, &sample)
+            });
+            assert_eq!((refused, gate.counts.stuck), ([0, 0, mask], ChannelSet(mask)));
+        }
+    }
+
+    #[test]
     fn missing_samples_are_stuck_whatever_the_bits_of_their_nan() {
         for bits in [[0x7fc0_0000; 3], [0x7fc0_0000, 0xffc0_0000, 0x7fc0_0001]] {
             let mut gate = Gate::new(Two);

@@ -192,6 +192,7 @@ mod tests {
         // Half of a block whose velocity is nonsense.
         assert!(!travel.step(1 << 28, 1e9));
         travel.restart();
+        assert_eq!(travel, Travel::default());
         for _ in 0..40 {
             if travel.step(1 << 28, core::f32::consts::TAU / 16.0) {
                 travel.close(&mut sums, 0.0);

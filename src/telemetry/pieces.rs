@@ -184,6 +184,15 @@ mod tests {
     }
 
     #[test]
+    fn pieces_that_are_not_taken_are_not_numbered() {
+        let mut pieces = CanPieces::classic();
+        assert_eq!(pieces.cut(&frame(40)).take(2).count(), 2);
+        assert_eq!(pieces.number(), 2);
+        let first = pieces.cut(&frame(9)).next().map(|piece| piece.data()[0]);
+        assert_eq!((first, pieces.number()), (Some(2), 3));
+    }
+
+    #[test]
     fn lost_and_doubled_pieces_are_counted() {
         let mut pieces = CanPieces::classic().with_number(254);
         let frame = frame(40);

@@ -115,6 +115,16 @@ fn a_full_block_waits_and_the_next_one_shows_the_gap() {
 }
 
 #[test]
+fn samples_that_were_passed_over_before_a_block_are_in_its_number() {
+    let mut recorder = Recorder::<_, 30>::new(Turning);
+    let sample = Sample { current_a: 1.0, velocity_rad_s: 2.0, angle: Angle::ZERO };
+    recorder.skip(7);
+    assert!(!recorder.is_complete(), "nothing is in it");
+    assert_eq!([recorder.push(&sample), recorder.push(&sample)], [false, true]);
+    assert_eq!((recorder.block().first, recorder.block().len()), (7, 2));
+}
+
+#[test]
 fn a_sample_without_an_angle_has_none() {
     let layout = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
     let plan = RunTime::of(layout).unwrap();

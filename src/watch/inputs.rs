@@ -60,6 +60,11 @@ impl<P: Plan, F> Inputs<P, F> {
         Self { front_end, kept: None, missed: 0, found_late: false, told: None }
     }
 
+    /// Drops the sample that was kept, and the record of those that were lost.
+    pub(super) fn restart(&mut self) {
+        (self.kept, self.missed, self.found_late) = (None, 0, false);
+    }
+
     /// Puts a sample into the queue, behind the one that was kept; keeps it if the queue is full, or if the other
     /// context holds the lock. Returns whether samples wait.
     #[inline(always)]

@@ -219,14 +219,15 @@ impl<P: Plan, F> Watch<P, F> {
         self.monitor(|monitor| monitor.restore(bytes)).unwrap_or(Err(StateError::Unavailable))
     }
 
-    /// Starts afresh where samples do not continue from the last one, as after a pause of the interrupt. Call it while
-    /// that is stopped. Returns `false` if [`Watch::collect`] runs.
+    /// Starts afresh where samples do not continue from the last one, as after a pause of the interrupt: samples that
+    /// wait are dropped. Call it while that is stopped. Returns `false` if [`Watch::collect`] runs.
     #[must_use = "it may not have started afresh"]
     pub fn restart(&self) -> bool {
         self.main.with(|main| {
             main.rate.restart();
             main.liveness.restart();
         });
+        self.inputs.with(Inputs::restart);
         let cleared = self.link.queue.try_lock().map(|mut queue| queue.clear()).is_some();
         cleared && self.collector.with(|collector| collector.detector.restart()).is_some()
     }

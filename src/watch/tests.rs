@@ -17,6 +17,8 @@ use crate::report::{Report, Verdict};
 use crate::signal::{Angle, LivenessLimits, Park};
 use crate::tests::{Drive, MODEL, Sample, samples};
 
+mod pauses;
+
 fn started() -> &'static Watch<Drive> {
     let watch: &'static Watch<Drive> = Box::leak(Box::default());
     watch.start(&MODEL).unwrap();

@@ -197,3 +197,75 @@ pub unsafe extern "C" fn bw_front_end_clear_faults(front_end: *mut BwFrontEnd) -
     let cleared = unsafe { at(front_end) }.and_then(|own| own.chain.with(|chain| chain.clear_faults()));
     code(cleared.map(|()| BwCode::Ok))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bearing_watch::drive::{PhaseFaults, PositionFaults, ResolverFaults};
+
+    const CLEAR: Faults = Faults {
+        currents: [PhaseFaults { saturated: 0, stuck: 0 }; 3],
+        imbalance: None,
+        unbalanced_windows: 0,
+        last_imbalance: None,
+        offsets_a: [0.0; 3],
+        position: PositionFaults {
+            missing: 0,
+            strayed: 0,
+            losses: 0,
+            stale: 0,
+            slipped: 0,
+            unsteady_windows: 0,
+            stuck_bits: 0,
+            resolver: ResolverFaults { lost: 0, too_high: 0, mismatched: 0 },
+        },
+        lock: Lock::Locked,
+        gaps: 0,
+        alignment: Alignment::Aligned,
+    };
+
+    #[test]
+    fn each_number_has_a_place_of_its_own() {
+        let resolver = ResolverFaults { lost: 8, too_high: 9, mismatched: 10 };
+        let position = PositionFaults {
+            missing: 1,
+            strayed: 2,
+            losses: 3,
+            stale: 4,
+            slipped: 5,
+            unsteady_windows: 6,
+            stuck_bits: 7,
+            resolver,
+        };
+        let currents = [(11, 14), (12, 15), (13, 16)].map(|(saturated, stuck)| PhaseFaults { saturated, stuck });
+        let faults = Faults { currents, position, unbalanced_windows: 17, gaps: 18, ..CLEAR };
+        let own = BwFrontEndFaults::from(faults);
+        let of_position = [own.position_missing, own.position_strayed, own.lock_losses, own.position_stale];
+        let of_readings = [own.position_slipped, own.position_unsteady, own.position_stuck_bits];
+        let of_resolver = [own.resolver_lost, own.resolver_too_high, own.resolver_mismatched];
+        assert_eq!((of_position, of_readings, of_resolver), ([1, 2, 3, 4], [5, 6, 7], [8, 9, 10]));
+        assert_eq!((own.saturated, own.stuck), ([11, 12, 13], [14, 15, 16]));
+        assert_eq!((own.unbalanced_windows, own.gaps, own.clear), (17, 18, false));
+        assert!(BwFrontEndFaults::from(CLEAR).clear);
+    }
+
+    #[test]
+    fn an_imbalance_names_its_phase() {
+        let of = |imbalance| {
+            let own = BwFrontEndFaults::from(Faults { imbalance: Some(imbalance), ..CLEAR });
+            (own.imbalance, own.imbalance_phase, own.gain_error)
+        };
+        for (place, phase) in (0..).zip(Phase::ALL) {
+            assert_eq!(of(Imbalance::Open(phase)), (BwImbalance::Open, place, 0.0));
+            assert_eq!(of(Imbalance::Silent(phase)), (BwImbalance::Silent, place, 0.0));
+            assert_eq!(of(Imbalance::Clipped(phase)), (BwImbalance::Clipped, place, 0.0));
+            assert_eq!(of(Imbalance::HalfWave(phase)), (BwImbalance::HalfWave, place, 0.0));
+            assert_eq!(of(Imbalance::Gain { phase, error: 0.25 }), (BwImbalance::Gain, place, 0.25));
+            assert_eq!(of(Imbalance::Offset { phase, offset_a: -2.0 }), (BwImbalance::Offset, place, -2.0));
+        }
+        assert_eq!(
+            [of(Imbalance::Unnamed).0, of(Imbalance::Misaligned).0],
+            [BwImbalance::Unnamed, BwImbalance::Misaligned]
+        );
+    }
+}

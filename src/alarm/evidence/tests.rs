@@ -1,4 +1,5 @@
 use super::*;
+use crate::alarm::SilenceLimits;
 use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
 
 /// With ln p* = −8.261798, ln μ = −0.166382 (7).
@@ -202,6 +203,43 @@ fn a_segment_beyond_the_gate_of_a_defect_does_not_speak_for_it() {
     evidence.observe(Some(&beyond([false; 3], [0.0, 4.0, 0.0])));
     evidence.observe(Some(&beyond([false, true, true], [0.0, -3.0, 0.0])));
     assert_eq!(evidence.defects[1].sum, 1.0);
+}
+
+#[test]
+fn only_segments_in_a_row_without_a_verdict_are_a_silence() {
+    let mut evidence = evidence(Some(0));
+    evidence.limit_silence(SilenceLimits { segments: 3, hours: 0.0 });
+    for _ in 0..3 {
+        (0..2).for_each(|_| _ = evidence.observe(None));
+        assert_eq!(evidence.silence(), None);
+        evidence.observe(Some(&decision(0.0, [0.0, -9.0, -9.0])));
+    }
+    (0..3).for_each(|_| _ = evidence.observe(None));
+    assert_eq!(evidence.silence().map(|silence| silence.segments), Some(3));
+}
+
+#[test]
+fn without_other_limits_a_silence_is_a_day_or_ten_thousand_segments() {
+    let first = |segment_s: f32| {
+        let mut evidence = evidence(Some(0)).of_model(1, segment_s);
+        (1..20_000).find(|_| {
+            evidence.observe(None);
+            evidence.silence().is_some()
+        })
+    };
+    assert_eq!([0.0, 1.0, 60.0, 3600.0].map(first), [Some(10_000), Some(10_000), Some(1440), Some(24)]);
+}
+
+#[test]
+fn a_reset_ends_a_silence_and_keeps_its_limits() {
+    let mut evidence = evidence(Some(0));
+    evidence.limit_silence(SilenceLimits { segments: 2, hours: 0.0 });
+    for _ in 0..2 {
+        assert_eq!(evidence.silence(), None);
+        (0..2).for_each(|_| _ = evidence.observe(None));
+        assert_eq!(evidence.silence().map(|silence| silence.segments), Some(2));
+        evidence.reset();
+    }
 }
 
 /// The evidence of these words, all of one state; `None` if they are none that segments can leave.

@@ -148,3 +148,51 @@ fn an_offset_that_lasts_is_no_growth() {
     }
     assert!(course(120, |run| 0.03 * run as f32).growth(0.0, 0.001, 17.0).is_growing());
 }
+
+#[test]
+fn the_age_counts_from_the_last_time_that_the_size_was_below_its_start() {
+    let mut course = Course { level: 5.0, age: 40.0, ..Course::new(1.0) };
+    course.pass(2.0, 0.0);
+    assert_eq!(course.age, 42.0);
+    course.pass(1.0, 4.5);
+    assert_eq!(course.age, 0.0, "half a deviation above the reference");
+    course.pass(3.0, 0.0);
+    assert_eq!(course.age, 3.0);
+    // A repaired bearing.
+    course.take(-50.0, 1.0);
+    assert_eq!((course.age, course.slope), (0.0, 0.0));
+}
+
+#[test]
+fn a_jump_forgets_the_drift_before_it() {
+    let drifting = Course { level: 3.0, drift: 6.9, drift_runs: 20.0, ..Course::new(1.0) };
+    for jump in [60.0, -60.0] {
+        let mut course = drifting;
+        course.take(jump, 1.0);
+        assert_eq!((course.drift, course.drift_runs), (0.0, 0.0), "{jump}");
+    }
+    let mut course = drifting;
+    course.take(4.0, 1.0);
+    assert_eq!(course.drift_runs, 0.0, "beyond the limit it has its effect");
+    assert!(course.slope_variance > 0.001, "{course:?}");
+}
+
+#[test]
+fn a_run_counts_for_sixteen_usual_ones_at_most() {
+    let passed = |runs: f32| {
+        let mut course = Course { level: 9.0, slope: 0.1, ..Course::new(1.0) };
+        course.pass(runs, 0.0);
+        course
+    };
+    assert_eq!(passed(1000.0), passed(16.0));
+    assert!(passed(15.0).level < passed(16.0).level);
+}
+
+#[test]
+fn there_is_no_time_left_to_a_size_that_is_none() {
+    let grown = course(80, |run| 0.25 * run as f32);
+    assert!(grown.growth(0.0, 0.02, 30.0).is_growing());
+    for named in [0.0, -30.0, f32::NAN] {
+        assert!(!grown.growth(0.0, 0.02, named).is_growing(), "{named}");
+    }
+}

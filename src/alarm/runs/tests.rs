@@ -6,6 +6,8 @@ use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
 use std::vec;
 use std::vec::Vec;
 
+mod promises;
+
 const LIMIT: f32 = 9.0;
 /// 0.62 (9 − ln 4).
 const CAP: f32 = 4.7205;

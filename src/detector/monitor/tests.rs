@@ -1,5 +1,6 @@
 use super::super::tests::{gated, segment};
 use super::{Conclusion, Monitor};
+use crate::alarm::SilenceLimits;
 use crate::alarm::evidence::{Cause, Evidence};
 use crate::detector::conclude;
 use crate::detector::{Detector, Segment};
@@ -216,4 +217,113 @@ fn a_refused_monitor_gives_no_verdict_and_takes_no_evidence_until_it_is_allowed_
     assert_eq!((monitor.evidence().segments(), monitor.evidence().score()), ((3, 2), score));
     monitor.refuse(None);
     assert!(!matches!(monitor.conclude(fourth).report.verdict, Verdict::Undetermined(_)));
+}
+
+/// A monitor that has concluded segments of a drive far from every class, and the number of the last one, which is now
+/// in doubt.
+fn doubted(model: &Model<Drive>, count: usize) -> (Monitor<'_, Drive>, u32) {
+    let (mut detector, mut monitor) = (Detector::new(model), Monitor::new(model));
+    let mut all = stream(&[40.0; 9]);
+    (0..count).for_each(|_| _ = monitor.conclude(segment(&mut detector, &mut all)));
+    (monitor, detector.discard().expect("no sample of the next segment yet"))
+}
+
+#[test]
+fn a_withdrawn_report_leaves_the_limits_of_a_silence() {
+    let model = gated();
+    let (mut monitor, number) = doubted(&model, 1);
+    monitor.limit_silence(SilenceLimits { segments: 1, hours: 0.0 });
+    assert!(monitor.withdraw(number));
+    assert_eq!(monitor.evidence().silence().map(|silence| silence.segments), Some(1));
+}
+
+#[test]
+fn nothing_of_before_comes_back_after_a_reset_or_a_restored_state() {
+    let model = gated();
+    let ways: [fn(&mut Monitor<'_, Drive>); 2] = [
+        |monitor| monitor.reset(),
+        |monitor| {
+            let (mut bytes, fresh) = ([0; 400], Monitor::new(monitor.model));
+            let length = fresh.save_within_run(&mut bytes).expect("room");
+            monitor.restore(&bytes[..length]).expect("its own state");
+        },
+    ];
+    for afresh in ways {
+        let (mut monitor, number) = doubted(&model, 2);
+        assert!(monitor.alarm().is_some());
+        afresh(&mut monitor);
+        assert_eq!((monitor.report(), monitor.alarm()), (None, None));
+        assert!(!monitor.withdraw(number), "there is no report");
+        assert_eq!(monitor.evidence(), &Evidence::new(&model));
+        // Nor the report of a segment that was being solved.
+        monitor.take(segments(&model, &[40.0]).remove(0));
+        afresh(&mut monitor);
+        assert!(!monitor.is_solving() && monitor.complete().is_none());
+        monitor.end_run();
+        assert_eq!(monitor.evidence(), &Evidence::new(&model));
+    }
+}
+
+#[test]
+fn a_doubt_does_not_bring_a_denied_alarm_back() {
+    let model = gated();
+    let (mut monitor, number) = doubted(&model, 2);
+    assert!(monitor.deny());
+    assert!(!monitor.withdraw(number));
+    assert_eq!((monitor.alarm(), monitor.evidence().score(), monitor.evidence().segments()), (None, 0.0, (2, 0)));
+}
+
+#[test]
+fn what_a_trial_takes_out_does_not_bring_a_denied_alarm_back() {
+    let model = gated();
+    let ways: [fn(&mut Monitor<'_, Drive>, u32); 2] =
+        [|monitor, _| monitor.refuse(Some(Implausible::Rate)), |monitor, number| assert!(monitor.withdraw(number))];
+    for take_out in ways {
+        let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
+        let mut all = stream(&[40.0; 9]);
+        (0..2).for_each(|_| _ = monitor.conclude(segment(&mut detector, &mut all)));
+        monitor.begin_trial();
+        assert!(monitor.deny());
+        monitor.conclude(segment(&mut detector, &mut all));
+        take_out(&mut monitor, detector.discard().expect("no sample of the next segment yet"));
+        assert_eq!((monitor.alarm(), monitor.evidence().score()), (None, 0.0));
+    }
+}
+
+#[test]
+fn the_last_report_of_a_run_that_has_ended_stands() {
+    let model = gated();
+    let (mut monitor, number) = doubted(&model, 1);
+    monitor.end_run();
+    assert!(!monitor.withdraw(number) && monitor.evidence().segments() == (1, 0));
+}
+
+#[test]
+fn a_trial_ends_with_its_first_answer() {
+    let model = gated();
+    let mut monitor = Monitor::new(&model);
+    monitor.begin_trial();
+    segments(&model, &GAINS).into_iter().for_each(|segment| _ = monitor.conclude(segment));
+    let taken = monitor.evidence().clone();
+    monitor.refuse(None);
+    assert_eq!(monitor.evidence(), &taken);
+    monitor.refuse(Some(Implausible::Rate));
+    assert_eq!(monitor.evidence(), &taken, "a later reason takes nothing out");
+    monitor.begin_trial();
+    segments(&model, &GAINS).into_iter().for_each(|segment| _ = monitor.conclude(segment));
+    monitor.refuse(Some(Implausible::Rate));
+    assert_eq!(monitor.evidence(), &taken, "those of the second trial");
+}
+
+#[test]
+fn a_withdrawn_report_of_a_trial_takes_those_of_the_trial_before_it_along() {
+    let model = gated();
+    let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
+    let mut all = stream(&[40.0; 9]);
+    monitor.conclude(segment(&mut detector, &mut all));
+    let score = monitor.evidence().score();
+    monitor.begin_trial();
+    (0..2).for_each(|_| _ = monitor.conclude(segment(&mut detector, &mut all)));
+    assert!(monitor.withdraw(detector.discard().expect("no sample yet")));
+    assert_eq!((monitor.evidence().score(), monitor.evidence().segments()), (score, (2, 1)));
 }

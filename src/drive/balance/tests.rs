@@ -170,6 +170,20 @@ fn offsets_are_removed_up_to_their_limit() {
     assert!(matches!(imbalance, Some(Imbalance::Offset { phase: Phase::A, .. })), "{imbalance:?}");
 }
 
+/// A single window is disturbed by a change of the load.
+#[test]
+fn a_window_removes_a_quarter_of_the_offset_that_it_has_measured() {
+    let mut balance = CurrentBalance::new(LIMITS);
+    for k in 0..=u32::from(LIMITS.window) {
+        let electrical = Angle::from_counts(k % 16, 4);
+        let [a, b, c] = three(10.0, f64::from(electrical.radians())).map(|i| i as f32);
+        balance.push(Abc { a: a + 0.16, b, c }, electrical, electrical.sin_cos());
+    }
+    let [a, b, c] = balance.remove_offsets();
+    assert!((a - 0.04).abs() < 1e-3 && b.abs() < 1e-3 && c.abs() < 1e-3, "{a} {b} {c}");
+    assert_eq!(balance.removed_a(), [a, b, c]);
+}
+
 #[test]
 fn currents_without_an_offset_are_left_alone_however_they_vary() {
     // Slowly, at the frequency of the electrical turn and beside it, and through zero.
@@ -324,4 +338,19 @@ fn two_phases_that_explain_the_sum_alike_are_not_named() {
         matches!(super::named([1.0, 0.0], products, [1.0; 3], 0.5), Imbalance::Gain { phase: Phase::A, .. })
     };
     assert!(named(0.9, 0.6) && !named(0.9, 0.8));
+}
+
+#[test]
+fn an_alignment_that_was_told_stays_and_one_that_is_unknown_is_told_later() {
+    let mut balance = CurrentBalance::new(LIMITS);
+    let mut windows = |amplitude_a: f64, count: u32| {
+        for k in 1..=count * u32::from(LIMITS.window) {
+            let electrical = Angle::from_counts(k % 16, 4);
+            let [a, b, c] = three(amplitude_a, f64::from(electrical.radians())).map(|i| i as f32);
+            balance.push(Abc { a, b, c }, electrical, electrical.sin_cos());
+        }
+        balance.alignment()
+    };
+    assert_eq!([windows(0.0, 7), windows(0.0, 1)], [Alignment::Undecided, Alignment::Unknown]);
+    assert_eq!([windows(10.0, 1), windows(0.0, 20)], [Alignment::Aligned; 2]);
 }

@@ -9,6 +9,8 @@ use super::*;
 use crate::drive::{BalanceLimits, Phase, PhaseSensor, ResolverLimits, TrackingConstants};
 use crate::signal::Park;
 
+mod late;
+
 const RATE_HZ: f64 = 10_000.0;
 /// 16 bits, 1 mA.
 const SENSOR: PhaseSensor = PhaseSensor { offset_counts: 32_768.0, gain_a: 0.001, usable: [100, 65_000] };

@@ -178,3 +178,23 @@ fn faults_have_words() {
     let text = std::format!("{}", WiringFault::PolePairs { fits: 4 });
     assert_eq!(text, WiringFault::PolePairs { fits: 4 }.message());
 }
+
+/// 1/8 turn, a block of the travel, is 64 samples.
+#[test]
+fn a_block_of_the_motion_with_a_missing_sample_is_left_out() {
+    let gaps: [fn(&mut WiringCheck, Angle); 2] =
+        [|check, _| check.skip(), |check, angle| check.push(AlphaBeta::default(), angle, f32::NAN)];
+    for (gap, every) in gaps.into_iter().flat_map(|gap| [(gap, 60), (gap, 80)]) {
+        let frame = RotorFrame { pole_pairs: 5, electrical_offset: Angle::ZERO, park: Park::Standard };
+        let mut check = WiringCheck::new(frame, RATE_HZ, LIMITS);
+        for k in 0..4000_u32 {
+            let angle = Angle::from_counts(k, 9);
+            if k % every == 0 {
+                gap(&mut check, angle);
+            } else {
+                check.push(AlphaBeta::default(), angle, RATE_HZ * core::f32::consts::TAU / 512.0);
+            }
+        }
+        assert_eq!(check.travel_sums.ratio(check.interval_s).is_some(), every == 80);
+    }
+}

@@ -141,3 +141,19 @@ fn of_slips_that_explain_the_same_the_smallest_is_returned() {
         assert!((angle_rad.to_degrees() - expected).abs() < 0.01, "{degrees}: {angle_rad}");
     }
 }
+
+#[test]
+fn only_lines_of_the_same_order_are_compared_and_only_a_grown_first_order_is_an_unbalance() {
+    let before = [line(1, 0.2, 0.4), line(6, 0.06, 1.0), line(12, 0.12, 3.0)];
+    let with = |place: usize, line: RotorLine| {
+        let mut now = before;
+        now[place] = line;
+        RotorChange::between(&before, &now, &RotorLimits::USUAL)
+    };
+    assert_eq!(with(0, line(2, 0.9, 0.4)), RotorChange::Unchanged, "of another order");
+    assert_eq!(with(0, line(1, 0.1, 0.4)), RotorChange::Other { order: 1 }, "less than before");
+    assert!(matches!(with(0, line(1, 0.4, 0.4)), RotorChange::Unbalance { .. }));
+    let both = [line(1, 0.4, 0.4), line(6, 0.16, 1.0), line(12, 0.12, 3.0)];
+    let change = RotorChange::between(&before, &both, &RotorLimits::USUAL);
+    assert!(matches!(change, RotorChange::Other { .. }), "{change:?}");
+}

@@ -217,3 +217,49 @@ fn no_order_contains_what_replaces_a_lost_sample() {
         assert!((expected..=expected + 1).contains(&missing), "{at} {lag}: {missing}");
     }
 }
+
+/// 1/8 turn, a block of the travel, is 40 samples of 1 ms at 20 rad/s.
+#[test]
+fn no_block_of_the_motion_goes_on_over_a_lost_sample() {
+    let (plan, constants) = (plan(1), constants(0.0, 1));
+    let ratio = |every: u32, lost: u32| {
+        let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
+        for k in 0..4000_u32 {
+            let angle = Angle::from_radians(0.02 * k as f32);
+            let sample = RunTimeSample { values: vec![1.0, 20.0, 0.1], angle };
+            shaft.step(&mut sums, plan, &constants, (&sample, k % every >= lost));
+        }
+        sums.travel.ratio(0.001)
+    };
+    assert_eq!([ratio(38, 1), ratio(38, 8), ratio(55, 10)], [None; 3]);
+    assert!((ratio(90, 10).unwrap() - 1.0).abs() < 1e-3);
+}
+
+/// Steps that are counted in 200 samples of a motion by sample, of which the 100th may be lost, and steps of the shaft
+/// that are left out.
+fn steps(current_a: f32, lost: bool, angle_rad: impl Fn(u32) -> f32) -> (u32, u32) {
+    let (plan, mut constants) = (plan(1), constants(0.0, 1));
+    constants.balance.largest_change_rad = 0.016;
+    let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
+    for k in 0..200 {
+        let sample = RunTimeSample { values: vec![current_a, 20.0, 0.1], angle: Angle::from_radians(angle_rad(k)) };
+        shaft.step(&mut sums, plan, &constants, (&sample, !lost || k != 100));
+    }
+    (sums.steps(), sums.usage.seen - sums.usage.used)
+}
+
+#[test]
+fn only_a_change_of_the_motion_that_no_motor_makes_is_a_step() {
+    let steady = |k: u32| 0.02 * k as f32;
+    let jump = |k: u32| steady(k) + if k < 100 { 0.0 } else { 0.5 };
+    let faster = |by: f32| move |k: u32| steady(k) + by * k.saturating_sub(100) as f32;
+    let (none, left_out) = steps(1.0, false, steady);
+    let of_one = (1, left_out + 3);
+    assert_eq!((none, steps(1.0, false, jump)), (0, of_one));
+    // A motion that stays is one of the shaft.
+    assert_eq!([steps(1.0, false, faster(0.015)), steps(1.0, false, faster(0.2))], [(0, left_out), of_one]);
+    // Twice i T²/J: 0.03 rad of 75 A.
+    assert_eq!([steps(76.0, false, faster(0.03)), steps(74.0, false, faster(0.03))], [(0, left_out), of_one]);
+    // Behind a lost sample the motion is that of two.
+    assert_eq!(steps(1.0, true, steady), (0, left_out + 3));
+}

@@ -1,0 +1,109 @@
+//! Healthy is earned: by what the segment would have shown.
+
+use std::vec;
+use std::vec::Vec;
+
+use super::*;
+use crate::model::{
+    Blocks, Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Label, Lags, Novelty,
+    Projection, Sampling, ShaftConstants, TrackedOrder, Tracking,
+};
+use crate::plan::{Kind, Layout, RunTime, ShaftLayout, Signal};
+use crate::shaft::state::tests::balance;
+use crate::shaft::{OrderStrength, ShaftEstimate};
+
+/// Healthy at 0 and a defect at 9, in one feature; amplitudes up to 0.5 A are acceptable.
+fn model(feature: Feature) -> Model<RunTime> {
+    let [current, velocity, load] = [0, 1, 2].map(Signal::channel);
+    let orders = u8::from(feature.order().is_some());
+    let (velocity, load) = (Some(velocity), Some(load));
+    let shaft = ShaftLayout { current, velocity, load, orders, harmonics: 3, decimation: 1 };
+    let layout = Layout { channels: 3, shaft: Some(shaft), features: 1, coordinates: 1, classes: 2, ..Layout::EMPTY };
+    let plan = RunTime::of(Layout { discriminant: Kind::Linear, ..layout }).unwrap();
+    let blocks = Blocks {
+        controls: [100_000, 200_000, 300_000, 400_000],
+        cell_turns_log2: 0,
+        slip: 0.02,
+        slowest_rad_s: 2.0,
+        pole: 0.5,
+        high_pass: 0.02,
+    };
+    let order = TrackedOrder { most_a: 0.5, ..TrackedOrder::new(3.7, [1.0; 3]) };
+    let tracking = Tracking { orders: vec![order; usize::from(orders)], blocks };
+    let knots = core::array::from_fn(|k| [2.0 * k as f32, k as f32]);
+    let constants = Constants {
+        sampling: Sampling { interval_s: 0.001, park: None, block_mean: 1, segment_samples: 200 },
+        channels: ["current", "velocity", "load"].map(|name| Channel::within(name, "A", 100.0)).to_vec(),
+        regression: vec![],
+        shaft: vec![ShaftConstants { lags: Lags::default(), balance: balance(), tracking }],
+        classifier: Classifier {
+            features: vec![feature],
+            covariates: Covariates { list: vec![], map: vec![] },
+            projection: Projection { matrix: vec![1.0], mean: vec![0.0], usual: vec![0.0] },
+            discriminant: Discriminant {
+                means: vec![0.0, 9.0],
+                factors: vec![1.0],
+                log_prior: vec![-0.693; 2],
+                costs: vec![0.0, 1.0, 1.0, 0.0],
+                reject_cost: f32::INFINITY,
+            },
+            novelty: Novelty {
+                class: Some(0),
+                mean: vec![0.0],
+                factor: vec![1.0],
+                knots,
+                limit: 4.5,
+                ..Novelty::none(plan)
+            },
+        },
+        evidence: EvidenceConstants::NONE,
+        labels: ["healthy", "spall"].map(Label::constant).to_vec(),
+    };
+    Model::new(plan, constants).unwrap()
+}
+
+/// The verdict on a segment with this value of the feature, whose orders and friction have seen so much.
+fn verdict(model: &Model<RunTime>, value: f32, order: OrderStrength, friction: bool) -> Verdict {
+    let plan = model.plan();
+    let mut estimate = ShaftEstimate::empty(plan);
+    (estimate.friction_reason, estimate.orders_reason) = (None, None);
+    estimate.orders = estimate.orders.iter().map(|_| order).collect::<Vec<_>>();
+    let mut report = Report::empty(plan);
+    report.shaft = vec![estimate];
+    report.decision = model.constants().classifier.decide_at(plan, &[value], &[0.0]);
+    judge(model, &Segment::new(model), &mut report, (Ok(()), friction));
+    assert_eq!(report.decision.is_none(), matches!(report.verdict, Verdict::Undetermined(_)));
+    report.verdict
+}
+
+fn seen(smallest: f32, unseen: bool) -> OrderStrength {
+    OrderStrength { smallest, unseen, ..OrderStrength::default() }
+}
+
+#[test]
+fn with_orders_a_segment_is_healthy_only_if_one_would_have_shown_an_acceptable_defect() {
+    let model = model(Feature::OrderScore(0));
+    let healthy = |order| verdict(&model, 0.0, order, false);
+    let unseen = |obstacle| Verdict::Undetermined(Reason::Unseen(obstacle));
+    assert_eq!([healthy(seen(0.1, false)), healthy(seen(0.5, false))], [Verdict::Class(0); 2]);
+    assert_eq!(healthy(seen(0.51, false)), unseen(Obstacle::TooNoisy));
+    assert_eq!(healthy(seen(f32::NAN, false)), unseen(Obstacle::TooNoisy));
+    assert_eq!(healthy(seen(f32::INFINITY, true)), unseen(Obstacle::TooLittleMotion));
+}
+
+#[test]
+fn what_departs_from_healthy_is_told_whatever_the_segment_could_have_shown() {
+    let model = model(Feature::OrderScore(0));
+    let blind = seen(f32::INFINITY, true);
+    assert_eq!(verdict(&model, 9.0, blind, false), Verdict::Class(1));
+    assert_eq!([4.0, -9.0].map(|value| verdict(&model, value, blind, false)), [Verdict::Novel; 2]);
+}
+
+#[test]
+fn without_orders_the_friction_decides() {
+    let term = FrictionTerm::Drag;
+    let model = model(Feature::FrictionScore(term));
+    let of = |value, friction| verdict(&model, value, OrderStrength::default(), friction);
+    assert_eq!([of(0.0, true), of(9.0, false)], [Verdict::Class(0), Verdict::Class(1)]);
+    assert_eq!(of(0.0, false), Verdict::Undetermined(Reason::TermNotExcited(term)));
+}
