@@ -108,7 +108,7 @@ pub(in crate::shaft) struct Search {
     uncertain: f32,
     /// The first sum of (7).
     slopes: f32,
-    /// The prominence that a first harmonic of the size of the noise adds.
+    /// g of [`super::sight`]: the prominence that a first harmonic of the size of the noise adds.
     gain: f32,
     /// The largest P, its slip, and −P″ (6) a squared step.
     best: f32,
@@ -126,7 +126,8 @@ impl Search {
         let peak = power.peak(range.turns(order));
         let (shift, curvature, best) = peak.vertex();
         let slip = (f32::from(peak.at) + shift) * range.slip / f32::from(SIDE);
-        let gain = sight::gain(sums, of_pairs.coherent, noise, order);
+        let [w1, w2, w3] = order.weights;
+        let gain = of_pairs.coherent * variance * power.harmonics / (w1 + w2 + w3);
         Self { pairs: of_pairs, variance, uncertain, slopes: power.slopes, gain, best, slip, curvature }
     }
 
@@ -238,13 +239,15 @@ struct Power {
     constant: f32,
     /// The first sum of (7).
     slopes: f32,
+    /// Σ w q W(h)/(σ_h² W(1)²), of the powers of a defect's harmonics.
+    harmonics: f32,
 }
 
 impl Power {
     /// Of all harmonics, with noise of this variance at the order.
     #[inline(never)]
     fn of(sums: &LineSums, of_pairs: &Pairs, order: &TrackedOrder, noise: &NoiseLine, variance: f32) -> Self {
-        let mut power = Self { terms: [[0.0; 2]; COMBINED], constant: 0.0, slopes: 0.0 };
+        let mut power = Self { terms: [[0.0; 2]; COMBINED], constant: 0.0, slopes: 0.0, harmonics: 0.0 };
         for (h, weight) in pairs(0..usize::MAX, &order.weights) {
             power.add(sums, of_pairs, h, *weight, variance * noise.ratio(h));
         }
@@ -279,6 +282,10 @@ impl Power {
         self.slopes += slope * slope;
         let scale = relative / unit;
         self.constant += scale * power;
+        // V of a harmonic is that of the first one by the ratio of their weights.
+        let [first, ..] = sums.weight;
+        let part = total / first;
+        self.harmonics += scale * part * part * sight::POWERS.get(h).copied().unwrap_or(0.0);
         let mut terms = self.terms.get_mut(h..).unwrap_or_default();
         for (d, [x, y]) in (1_u8..).zip(lags) {
             let twice = 2.0 * scale * taper(f32::from(d));
