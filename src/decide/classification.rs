@@ -54,13 +54,13 @@ impl<P: Plan> Classification<P> {
         plan: P,
         classifier: &Classifier<P>,
         estimates: Estimates<'_, P>,
-        (decision, spreads): (&mut Decision<P>, &mut [f32]),
+        decision: &mut Decision<P>,
     ) -> Option<Result<(), Reason>> {
         let (outcome, next) = match self.next {
             Step::Project => (self.project(plan, classifier, estimates, decision), Step::Compare),
             Step::Compare => (self.compare(plan, classifier, decision), Step::Depart),
             Step::Depart => {
-                self.depart(classifier, decision, spreads);
+                self.depart(classifier, decision);
                 return Some(Ok(()));
             }
         };
@@ -128,10 +128,10 @@ impl<P: Plan> Classification<P> {
     }
 
     /// Distance from the healthy class and surprise; without such a class they remain zero.
-    fn depart(&self, classifier: &Classifier<P>, decision: &mut Decision<P>, spreads: &mut [f32]) {
+    fn depart(&self, classifier: &Classifier<P>, decision: &mut Decision<P>) {
         let (z, variances) = self.coordinates();
         if classifier.novelty.class.is_some() {
-            decision.depart(classifier.novelty.judge_with(z, variances, spreads));
+            decision.depart(classifier.novelty.judge(z, variances));
         }
     }
 }

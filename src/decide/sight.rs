@@ -1,83 +1,145 @@
 //! What a segment would have shown: the smallest defect of each rising coordinate that its gate finds.
 //!
-//! Enters: the spreads of the rising coordinates in a segment, which the gate leaves, and its estimates. Leaves: for each
-//! rising coordinate the size of a defect that the gate calls with a probability of 90 %, infinite where the coordinate
-//! is missing.
+//! Enters: the variances of the coordinates' errors in a segment, and its estimates. Leaves: for each rising coordinate
+//! the size of a defect that the gate calls with a probability of 90 %, infinite where the coordinate is missing.
 //!
 //! ```text
-//! δ_i = r_i √V_i,   V_i = D'_i (1 + m_i/ν)                                (1)  shift of the coordinate
-//! friction p:       |δ_i/p̄|;    its logarithm:  e^δ_i − 1;    its score:  |δ_i σ/n|                     (2)
-//! order:            the amplitude of [`crate::shaft::orders`], A                                       (3)
+//! δ_i = r_i √(D'_i (1 + m_i/ν))                                           (1)  shift of the coordinate
+//! friction p:  x = min δ_k/y_k  over the rising k with y_k > 0,   R'ᵀ y = W f′                          (2)
+//!              f′ of q, ln q and the score of q:  c n,  c n/n_q,  c n/σ_q
+//! order:       the amplitude of [`crate::shaft::orders`], A                                            (3)
 //! ```
 //!
 //! `r_i` is the reach of [`Rise`](super::Rise): the deviations to the limit of the gate, and from there to the value
 //! that nine of ten segments exceed. `D'_i` is the variance of the coordinate given those before it, with the errors of
-//! this segment, `m_i` the number of those before it, ν the degrees of freedom of the model's covariance, p̄ the healthy
-//! mean and n the nominal value: (2) is a part of the usual value. The sizes follow from the motion and the noise of the
-//! segment, not from the value that the coordinate has in it.
+//! this segment, `m_i` the number of those before it, ν the degrees of freedom of the model's covariance. A friction that
+//! rises by the part x of its nominal value n raises all features that contain it, by c for q = p or the drag: a
+//! coordinate of which those before it tell the same shows the less of it. A logarithm rises by ln (1 + x). The sizes
+//! follow from the motion and the noise of the segment, not from the value that the coordinate has in it.
 
 use super::classifier::Classifier;
 use super::features::{Estimates, Feature};
-use super::gates::density::pivots;
-use crate::plan::{Cells, Plan};
-use crate::regression::factor::numbered;
+use super::gates::density::{Density, pivots};
+use crate::plan::{Array, Cells, Plan};
+use crate::reason::FrictionTerm;
+use crate::regression::factor::{numbered, pairs};
+use crate::shaft::{Balance, ShaftEstimate};
+use crate::unroll::rolled;
 
 /// A part of the usual friction that is acceptable whatever is usual: drives of training may be very much alike.
 const ACCEPTABLE: f32 = 0.1;
 
 impl<P: Plan> Classifier<P> {
-    /// Replaces the spreads V of (1) of the rising coordinates, in the places of their laws, by the sizes (2) and (3).
-    /// Returns whether one of friction is acceptable, or none rises.
+    /// The sizes (2) and (3) of the rising coordinates, in their order, of a segment whose coordinates have errors of
+    /// these variances. The first cell is not used. Returns whether one of friction is acceptable, or none rises.
     #[inline(never)]
-    pub(crate) fn smallest(&self, estimates: Estimates<'_, P>, sizes: &mut [f32]) -> bool {
-        let (novelty, all) = (&self.novelty, self.novelty.mean.cells().len());
-        let laws = novelty.laws.cells().len();
+    pub(crate) fn smallest(&self, estimates: Estimates<'_, P>, variances: &[f32], sizes: &mut [f32]) -> bool {
+        let (novelty, laws) = (&self.novelty, self.novelty.laws.cells().len());
         // Known at compile time: a plan without rising coordinates carries no code for them.
         if laws == 0 {
             return true;
         }
-        let most = novelty.acceptable * novelty.acceptable;
-        let (mut known, mut acceptable) = (false, false);
-        for (k, pivot) in numbered(pivots(novelty.factor.cells(), all)) {
-            // The rising coordinates are the last ones, and the first of them has the place 1.
-            let place = k.wrapping_add(laws).wrapping_sub(all);
-            let Some((size, rise)) = sizes.get_mut(place).zip(novelty.rises.cells().get(place)) else { continue };
-            let spread = *size;
-            if place == 0 || spread >= f32::INFINITY {
+        let density = Density::<P>::of(novelty.factor.cells(), variances, variances.len());
+        let mut shifts: Array<P::Laws, f32> = Cells::filled(laws, f32::INFINITY);
+        let (most, mut acceptable) = (novelty.acceptable * novelty.acceptable, [false; 2]);
+        self.shifts(&density, variances.len(), shifts.cells_mut());
+        for (k, pivot) in numbered(pivots(novelty.factor.cells(), variances.len())) {
+            let place = self.place(k, variances.len());
+            let (Some(size), Some(shift)) = (sizes.get_mut(place), shifts.cells().get(place)) else { continue };
+            if place == 0 || *shift >= f32::INFINITY {
                 continue;
             }
-            // A projection that mixes features knows no size.
-            let Some(only) = self.projection.only(k) else {
-                *size = f32::INFINITY;
-                continue;
+            let only =
+                self.projection.only(k).and_then(|(place, weight)| Some((self.features.cells().get(place)?, weight)));
+            let friction = only.and_then(|(feature, _)| feature.friction());
+            *size = match (only, friction.zip(estimates.1)) {
+                (_, Some((term, shaft))) => self.friction(term, shaft, &density, shifts.cells()),
+                (Some((feature, weight)), None) => self.size(k, (*feature, weight), *shift, estimates),
+                // A projection that mixes features knows no size.
+                (None, _) => f32::INFINITY,
             };
-            *size = self.size(k, only, rise.reach * libm::sqrtf(spread), estimates); // (1)
-            if self.features.cells().get(only.0).is_some_and(|feature| feature.friction().is_some()) {
-                let usual = pivot * (1.0 + k as f32 / novelty.freedom);
-                known = true;
-                acceptable |= spread <= most * usual || *size <= ACCEPTABLE;
+            if friction.is_some() {
+                let reach = novelty.rises.cells().get(place).map_or(0.0, |rise| rise.reach);
+                let usual = reach * reach * pivot * (1.0 + k as f32 / novelty.freedom);
+                let [known, good] = &mut acceptable;
+                (*known, *good) = (true, *good || *shift * *shift <= most * usual || *size <= ACCEPTABLE);
             }
         }
-        acceptable || !known
+        let [known, good] = acceptable;
+        good || !known
     }
 
-    /// The size of a defect that shifts coordinate k, of one feature with a weight, by so much; infinite if none is known.
-    fn size(&self, k: usize, (place, weight): (usize, f32), shift: f32, (_, shaft, _): Estimates<'_, P>) -> f32 {
+    /// The place of a coordinate's law: the rising coordinates are the last ones, and the first of them has the place 1.
+    fn place(&self, coordinate: usize, all: usize) -> usize {
+        coordinate.wrapping_add(self.novelty.laws.cells().len()).wrapping_sub(all)
+    }
+
+    /// δ of (1) of each rising coordinate.
+    #[inline(never)]
+    fn shifts(&self, density: &Density<P>, all: usize, shifts: &mut [f32]) {
+        let mut before = 0.0;
+        for (k, pivot) in numbered(density.pivots()) {
+            let place = self.place(k, all);
+            if let Some((shift, rise)) = shifts.get_mut(place).zip(self.novelty.rises.cells().get(place)) {
+                *shift = rise.reach * libm::sqrtf(pivot * (1.0 + before / self.novelty.freedom));
+            }
+            if pivot < f32::INFINITY {
+                before += 1.0;
+            }
+        }
+    }
+
+    /// (2).
+    #[inline(never)]
+    fn friction(
+        &self,
+        term: FrictionTerm,
+        (shaft, balance): (&ShaftEstimate<P>, &Balance),
+        density: &Density<P>,
+        shifts: &[f32],
+    ) -> f32 {
+        let (nominal, features) = (balance.nominal_of(term), self.features.cells());
+        let slope = |feature: Feature| {
+            let own = feature.friction()?;
+            let rise = nominal * balance.rises_with(own, term);
+            Some(match feature {
+                Feature::LogFriction(_) => rise / balance.nominal_of(own),
+                Feature::FrictionScore(_) => rise / shaft.friction.of(own)?.deviation,
+                _ => rise,
+            })
+        };
+        let mut slopes: Array<P::Features, f32> = Cells::filled(features.len(), 0.0);
+        pairs(slopes.cells_mut(), rolled(features)).for_each(|(cell, feature)| *cell = slope(*feature).unwrap_or(0.0));
+        let all = self.novelty.mean.cells().len();
+        let row = |k: usize| self.projection.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);
+        let moved = |k: usize| pairs(row(k), slopes.cells()).map(|(weight, slope)| weight * slope).sum();
+        let moved: Array<P::Coordinates, f32> = Cells::from_fn(all, moved);
+        let mut least = (f32::INFINITY, 0);
+        density.solve(&[], moved.cells(), |y, _, after| {
+            let k = all.wrapping_sub(after).wrapping_sub(1);
+            let size = shifts.get(self.place(k, all)).map_or(f32::INFINITY, |shift| shift / y);
+            // Written so that a value that is not a number shows nothing.
+            if self.place(k, all) > 0 && size > 0.0 && size < least.0 {
+                least = (size, k);
+            }
+        });
+        let (size, k) = least;
+        let feature = self.projection.only(k).and_then(|(place, _)| features.get(place));
+        if matches!(feature, Some(Feature::LogFriction(_))) { libm::expf(size) - 1.0 } else { size }
+    }
+
+    /// The size of a defect that shifts coordinate k, of a feature of no friction with a weight, by so much; infinite if
+    /// none is known.
+    fn size(&self, k: usize, (feature, weight): (Feature, f32), shift: f32, (_, shaft, _): Estimates<'_, P>) -> f32 {
         let of_feature = (shift / weight).abs();
         let at = |list: &[f32], place: usize| list.get(place).copied().unwrap_or(0.0);
-        let size = match (self.features.cells().get(place), shaft) {
-            (Some(Feature::OrderScore(place) | Feature::LogOrderAmplitude(place)), Some((shaft, _))) => {
-                shaft.orders().get(*place as usize).map_or(f32::INFINITY, |order| order.smallest)
+        let size = match (feature, shaft) {
+            (Feature::OrderScore(order) | Feature::LogOrderAmplitude(order), Some((shaft, _))) => {
+                shaft.orders().get(order as usize).map_or(f32::INFINITY, |order| order.smallest)
             }
-            (Some(Feature::LogFriction(_) | Feature::LogFrictionVariance | Feature::LogVariance), _) => {
-                libm::expf(of_feature) - 1.0
-            }
-            (Some(Feature::FrictionScore(term)), Some((shaft, _))) => {
-                shaft.friction.of(*term).map_or(f32::INFINITY, |own| {
-                    (of_feature * own.deviation / (own.value - own.score * own.deviation)).abs()
-                })
-            }
+            (Feature::LogFrictionVariance | Feature::LogVariance, _) => libm::expf(of_feature) - 1.0,
             _ => {
+                let place = self.projection.only(k).map_or(usize::MAX, |(place, _)| place);
                 let mean = at(self.projection.mean.cells(), place) + at(self.novelty.mean.cells(), k) / weight;
                 (of_feature / mean).abs()
             }
@@ -144,11 +206,10 @@ mod tests {
     fn smallest(variances: [f32; 4], classifier: &Classifier<RunTime>) -> (Vec<f32>, bool) {
         let mut shaft = ShaftEstimate::empty(plan());
         (shaft.friction_reason, shaft.orders_reason) = (None, None);
-        shaft.friction.drag = Parameter { value: 3.0, deviation: 0.1, score: 10.0 };
+        shaft.friction.drag = Parameter { value: 3.0, deviation: 0.0065, score: 10.0 };
         shaft.orders = vec![OrderStrength { smallest: 0.25, ..OrderStrength::default() }];
         let mut sizes = vec![f32::INFINITY; 5];
-        let _departure = classifier.novelty.judge_with(&[0.0; 4], &variances, &mut sizes);
-        let friction = classifier.smallest((None, Some((&shaft, &balance())), &[]), &mut sizes);
+        let friction = classifier.smallest((None, Some((&shaft, &balance())), &[]), &variances, &mut sizes);
         (sizes[1..].to_vec(), friction)
     }
 
@@ -159,31 +220,62 @@ mod tests {
         }
     }
 
+    const MISSING: f32 = f32::INFINITY;
+
     #[test]
     fn sizes_by_hand() {
-        // A shift of 4 · 0.2 of the mean 1.5 + 0.5; e^0.8 − 1; the order's own; 0.8 deviations of 0.1 of nominal 2.
-        let log = 0.8_f32.exp() - 1.0;
-        near(&smallest([0.0; 4], &classifier()).0, [0.4, log, 0.25, 0.04]);
+        // The nominal drag is 0.1 + 20 · 0.002 = 0.14. A shift of 4 · 0.2 of a score with a deviation of 0.0065; an
+        // order has its own size.
+        let of_score = 0.8 * 0.0065 / 0.14;
+        near(&smallest([0.0; 4], &classifier()).0, [of_score, of_score, 0.25, of_score]);
         // Three times the variance more doubles the shift; an order has no error of its own.
-        let log = 1.6_f32.exp() - 1.0;
-        near(&smallest([0.12, 0.12, 0.0, 0.12], &classifier()).0, [0.8, log, 0.25, 0.08]);
-        near(&smallest([f32::INFINITY; 4], &classifier()).0, [f32::INFINITY; 4]);
+        let doubled = 2.0 * of_score;
+        near(&smallest([0.12, 0.12, 0.0, 0.12], &classifier()).0, [doubled, doubled, 0.25, doubled]);
+        // Without the score the logarithm shows most: ln (1 + x) = 0.8; and without both the drag, 0.14 x = 0.8.
+        let log = 0.8_f32.exp() - 1.0;
+        near(&smallest([0.0, 0.0, 0.0, MISSING], &classifier()).0, [log, log, 0.25, MISSING]);
+        near(&smallest([0.0, MISSING, 0.0, MISSING], &classifier()).0, [0.8 / 0.14, MISSING, 0.25, MISSING]);
+        near(&smallest([MISSING; 4], &classifier()).0, [MISSING; 4]);
         // Few degrees of freedom widen the shift of a coordinate by those before it.
         let few = Classifier { novelty: Novelty { freedom: 1.0, ..classifier().novelty }, ..classifier() };
-        let (sizes, _) = smallest([0.0; 4], &few);
-        assert!((sizes[3] - 0.04 * 2.0).abs() < 1e-6, "{sizes:?}");
+        near(&smallest([0.0; 4], &few).0, [doubled, doubled, 0.25, doubled]);
+    }
+
+    #[test]
+    fn a_coordinate_shows_only_what_those_before_it_do_not_tell() {
+        let mut told = classifier();
+        // The logarithm follows the drag, as both do with a defect: 1/0.14 a unit.
+        told.novelty.factor[1] = 1.0 / 0.14;
+        near(&smallest([0.0, 0.0, 0.0, MISSING], &told).0, [0.8 / 0.14, 0.8 / 0.14, 0.25, MISSING]);
+        // Two thirds are left.
+        told.novelty.factor[1] = 1.0 / 0.42;
+        let log = 1.2_f32.exp() - 1.0;
+        near(&smallest([0.0, 0.0, 0.0, MISSING], &told).0, [log, log, 0.25, MISSING]);
+    }
+
+    #[test]
+    fn viscous_friction_shows_in_the_drag() {
+        let term = FrictionTerm::Viscous;
+        let mut other = classifier();
+        other.features[1] = Feature::Friction(term);
+        // 0.002 of the viscous friction itself are 20 · 0.002 of the drag, whose logarithm rises by 0.04/0.14 of it.
+        let of_log = (0.8_f32 * 0.14 / 0.04).exp() - 1.0;
+        let (sizes, _) = smallest([0.0, 0.0, 0.0, MISSING], &other);
+        assert!((sizes[0] / of_log - 1.0).abs() < 1e-5, "{sizes:?}");
     }
 
     #[test]
     fn sizes_do_not_depend_on_what_the_segment_has() {
-        let of = |values: [f32; 4]| {
-            let (classifier, mut sizes) = (classifier(), vec![f32::INFINITY; 5]);
-            let _departure = classifier.novelty.judge_with(&values, &[0.1; 4], &mut sizes);
-            classifier.smallest((None, None, &[]), &mut sizes);
+        let of = |value: f32| {
+            let mut shaft = ShaftEstimate::empty(plan());
+            shaft.friction.drag = Parameter { value, deviation: 0.1, score: value };
+            let mut sizes = vec![f32::INFINITY; 5];
+            let estimates = (None, Some((&shaft, &balance())), &[][..]);
+            classifier().smallest(estimates, &[0.1; 4], &mut sizes);
             sizes
         };
-        assert!(of([0.0; 4])[1] < 1.0);
-        assert_eq!(of([9.0, -3.0, 5.0, 7.0]), of([0.0; 4]));
+        assert!(of(0.0)[1] < 10.0);
+        assert_eq!(of(9.0), of(0.0));
     }
 
     #[test]

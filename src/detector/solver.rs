@@ -141,7 +141,7 @@ impl<P: Plan> Solve<P> {
                 }
             }
             Step::Verdict(result) => {
-                let friction = sizes(model, report);
+                let friction = self.sizes(model, report);
                 verdict::judge(model, segment, report, (result, friction));
                 self.next = Step::Done;
             }
@@ -187,19 +187,18 @@ impl<P: Plan> Solve<P> {
         let shaft = report.shaft.part().zip(constants.balance());
         let estimates = (report.estimate.part(), shaft, report.averages.cells());
         let decision = report.decision.get_or_insert_with(|| Decision { model: model.mark(), ..Decision::empty(plan) });
-        let decided = (decision, report.smallest.cells_mut());
-        self.classification.step(plan, &constants.classifier, estimates, decided)
+        self.classification.step(plan, &constants.classifier, estimates, decision)
     }
-}
 
-/// The smallest defects that the segment shows, by what the classification has left; whether one of friction is
-/// acceptable.
-#[inline(always)]
-fn sizes<P: Plan>(model: &Model<P>, report: &mut Report<P>) -> bool {
-    let constants = model.constants();
-    let shaft = report.shaft.part().zip(constants.balance());
-    let estimates = (report.estimate.part(), shaft, report.averages.cells());
-    constants.classifier.smallest(estimates, report.smallest.cells_mut())
+    /// The smallest defects that the segment shows; whether one of friction is acceptable.
+    #[inline(always)]
+    fn sizes(&self, model: &Model<P>, report: &mut Report<P>) -> bool {
+        let constants = model.constants();
+        let shaft = report.shaft.part().zip(constants.balance());
+        let estimates = (report.estimate.part(), shaft, report.averages.cells());
+        let (_, variances) = self.classification.coordinates();
+        constants.classifier.smallest(estimates, variances, report.smallest.cells_mut())
+    }
 }
 
 /// Starts the report; `false` if nothing is concluded from the segment, whatever is in it.

@@ -40,7 +40,7 @@ fn decide(parameters: Result<[f32; 2], Reason>) -> Result<Decision<RunTime>, Rea
     let estimates: Estimates<'_, RunTime> = (Some(&estimate), None, &[]);
     let mut classification = Classification::new(plan());
     loop {
-        if let Some(result) = classification.step(plan(), &classifier(), estimates, (&mut decision, &mut [])) {
+        if let Some(result) = classification.step(plan(), &classifier(), estimates, &mut decision) {
             return result.map(|()| decision);
         }
     }

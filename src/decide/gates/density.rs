@@ -34,8 +34,9 @@ pub(crate) struct Density<P: Plan> {
     factor: Array<P::Density, f32>,
     /// Σ ln D' of the available rows.
     log_determinant: f32,
-    /// Number of available coordinates.
+    /// Number of available coordinates, and of all.
     available: usize,
+    coordinates: usize,
 }
 
 impl<P: Plan> Density<P> {
@@ -43,7 +44,7 @@ impl<P: Plan> Density<P> {
     #[inline(never)]
     pub(crate) fn of(factor: &[f32], variances: &[f32], coordinates: usize) -> Self {
         let length = crate::regression::factor::lower(coordinates, 0);
-        let mut density = Self { factor: Cells::filled(length, 1.0), log_determinant: 0.0, available: 0 };
+        let mut density = Self { factor: Cells::filled(length, 1.0), log_determinant: 0.0, available: 0, coordinates };
         pairs(rolled(density.factor.cells_mut()), factor).for_each(|(cell, x)| *cell = *x);
         let mut x: Array<P::Coordinates, f32> = Cells::filled(coordinates, 0.0);
         let mut rows = density.factor.cells_mut();
@@ -78,20 +79,20 @@ impl<P: Plan> Density<P> {
         sum
     }
 
-    /// d² of (4), and the values that are judged one by one with their spreads ([`super::rising`]).
+    /// d² of (4), and the values that are judged one by one ([`super::rising`]).
     #[inline(never)]
-    pub(crate) fn scores(&self, mean: &[f32], z: &[f32], freedom: f32, rising: [&mut [f32]; 2]) -> Scores {
-        let (mut scores, all, [judged, spreads]) = (Scores::default(), z.len(), rising);
+    pub(crate) fn scores(&self, mean: &[f32], z: &[f32], freedom: f32, judged: &mut [f32]) -> Scores {
+        let (mut scores, all) = (Scores::default(), z.len());
         self.solve(mean, z, |y, pivot, after| {
             let k = all.wrapping_sub(after).wrapping_sub(1);
-            scores.add(y, pivot, [k, all], freedom, [&mut *judged, &mut *spreads]);
+            scores.add(y, pivot, [k, all], freedom, judged);
         });
         scores
     }
 
     /// Solves (4) for each y in turn, which `take` gets with D' and the number of coordinates after it.
     #[inline(always)]
-    fn solve(&self, mean: &[f32], z: &[f32], mut take: impl FnMut(f32, f32, usize)) {
+    pub(crate) fn solve(&self, mean: &[f32], z: &[f32], mut take: impl FnMut(f32, f32, usize)) {
         let centred = |k: usize| z.get(k).copied().unwrap_or(0.0) - mean.get(k).copied().unwrap_or(0.0);
         let mut left: Array<P::Coordinates, f32> = Cells::from_fn(z.len(), centred);
         let (mut left, mut rest) = (left.cells_mut(), self.factor.cells());
@@ -102,6 +103,11 @@ impl<P: Plan> Density<P> {
             take(*y, *pivot, later.len());
             (left, rest) = (later, below);
         }
+    }
+
+    /// D' of each coordinate, infinite where it is missing.
+    pub(crate) fn pivots(&self) -> impl Iterator<Item = f32> {
+        pivots(self.factor.cells(), self.coordinates)
     }
 
     /// (5) from (4).
@@ -169,7 +175,11 @@ mod tests {
 
     #[test]
     fn pivots_are_the_first_elements_of_the_rows() {
-        assert_eq!(pivots(&FACTOR, 2).collect::<std::vec::Vec<_>>(), [4.0, 2.0]);
+        let pivots =
+            |variances: &[f32]| Density::<RunTime>::of(&FACTOR, variances, 2).pivots().collect::<std::vec::Vec<_>>();
+        assert_eq!(pivots(&[]), [4.0, 2.0]);
+        // The second coordinate given the first one, whose error is infinite, has its own variance.
+        assert_eq!(pivots(&[f32::INFINITY, 0.5]), [f32::INFINITY, 3.5]);
     }
 
     #[test]

@@ -103,20 +103,13 @@ impl<P: Plan> Novelty<P> {
     /// coordinates without a variance.
     #[must_use]
     pub fn judge(&self, z: &[f32], variances: &[f32]) -> Departure {
-        self.judge_with(z, variances, &mut [])
-    }
-
-    /// The same, with the variances of the rising coordinates given those before them, infinite where one is missing,
-    /// in the places of their laws.
-    #[inline(never)]
-    pub(crate) fn judge_with(&self, z: &[f32], variances: &[f32], spreads: &mut [f32]) -> Departure {
         if self.class.is_none() {
             return Departure::default();
         }
         let density = Density::<P>::of(self.factor.cells(), variances, z.len());
         let laws = self.laws.cells();
         let mut judged: Array<P::Laws, f32> = Cells::filled(laws.len(), rising::MISSING);
-        let scores = density.scores(self.mean.cells(), z, self.freedom, [judged.cells_mut(), spreads]);
+        let scores = density.scores(self.mean.cells(), z, self.freedom, judged.cells_mut());
         let departure = self.departure(&scores, z.len());
         if laws.is_empty() {
             return departure;

@@ -74,16 +74,8 @@ pub(crate) struct Scores {
 
 impl Scores {
     /// Takes y and D' of the next coordinate, of which there are so many; one with an infinite D' is not available.
-    /// `judged` gets d² of the others and u of each rising coordinate, and its place in `spreads`, if there are such,
-    /// the variance of u's numerator of healthy segments.
-    pub(crate) fn add(
-        &mut self,
-        y: f32,
-        pivot: f32,
-        [k, all]: [usize; 2],
-        freedom: f32,
-        [judged, spreads]: [&mut [f32]; 2],
-    ) {
+    /// `judged` gets d² of the others and u of each rising coordinate.
+    pub(crate) fn add(&mut self, y: f32, pivot: f32, [k, all]: [usize; 2], freedom: f32, judged: &mut [f32]) {
         let first = all.wrapping_add(1).saturating_sub(judged.len());
         let is_missing = pivot >= f32::INFINITY;
         let place = k.checked_sub(first).map(|place| place.wrapping_add(1));
@@ -92,9 +84,6 @@ impl Scores {
         if let Some(cell) = cell {
             let u = y / libm::sqrtf(pivot * (1.0 + self.squared / freedom)); // (2)
             *cell = if is_missing { MISSING } else { u };
-        }
-        if let Some(spread) = place.and_then(|place| spreads.get_mut(place)) {
-            *spread = pivot * (1.0 + self.available as f32 / freedom);
         }
         if is_missing {
             return;
@@ -244,7 +233,7 @@ mod tests {
         let laws = laws(values.len() - 2);
         let (mut judged, mut scores) = (vec![MISSING; laws.len()], Scores::default());
         for (k, [y, pivot]) in values.iter().enumerate() {
-            scores.add(*y, *pivot, [k, values.len()], 10.0, [&mut judged, &mut []]);
+            scores.add(*y, *pivot, [k, values.len()], 10.0, &mut judged);
         }
         rarest(&laws, &vec![Rise { fall: 2.0, reach: 0.0 }; laws.len()], &judged, &scores, values.len())
     }

@@ -116,6 +116,23 @@ pub(in crate::shaft) struct Frictions {
 }
 
 impl Balance {
+    /// n of a parameter, or of the drag (4).
+    pub(crate) fn nominal_of(&self, term: FrictionTerm) -> f32 {
+        let drag = || pairs(self.in_drag(), &self.nominal).map(|(weight, nominal)| weight * nominal).sum();
+        self.nominal.get(term as usize).copied().unwrap_or_else(drag)
+    }
+
+    /// By how much a parameter, or the drag, rises with a rise of another by one; that of the drag itself is one of dry
+    /// friction.
+    pub(crate) fn rises_with(&self, own: FrictionTerm, other: FrictionTerm) -> f32 {
+        match (own, other) {
+            _ if own == other => 1.0,
+            (FrictionTerm::Coulomb, FrictionTerm::Drag) => 1.0,
+            (FrictionTerm::Drag, _) => self.in_drag().get(other as usize).copied().unwrap_or(0.0),
+            _ => 0.0,
+        }
+    }
+
     /// The part of the information on a parameter that is of the rows and not of its prior: c of (5), 0 … 1. That of
     /// the drag is relative to what the priors of its terms say of it.
     #[must_use]

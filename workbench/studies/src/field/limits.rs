@@ -79,7 +79,7 @@ struct Bench {
     row: Row,
     draw: u32,
     model: Embedded,
-    /// The mean viscous friction of healthy records, A s/rad.
+    /// The usual viscous friction B/Kt, A s/rad.
     viscous: f64,
 }
 
@@ -88,7 +88,8 @@ impl Bench {
         let classes = class_names(&[Defect::HEALTHY]);
         let set = traces(&[(row.training(draw, Defect::HEALTHY), 0)], RECORDS[0])?;
         let model = train(&set, &classes, &default::recipe(row, &classes)?)?.embed()?;
-        Ok(Self { row: *row, draw, model, viscous: 1.0 })
+        let viscous = model.shaft().map_or(f64::NAN, |shaft| f64::from(shaft.balance.nominal[1]));
+        Ok(Self { row: *row, draw, model, viscous })
     }
 
     fn judged<T: Send>(
@@ -145,11 +146,6 @@ impl Bench {
 /// Simulation or training fails.
 pub fn limits(row: &Row, draw: u32) -> Result<Limits, Error> {
     let bench = Bench::new(row, draw)?;
-    let viscous = bench.judged(Defect::HEALTHY, RECORDS[1], |segment| {
-        segment.friction.map(|friction| f64::from(friction.viscous.value))
-    })?;
-    let viscous: Vec<f64> = viscous.into_iter().flatten().collect();
-    let bench = Bench { viscous: viscous.iter().sum::<f64>() / viscous.len().max(1) as f64, ..bench };
     let healthy = bench.judged(Defect::HEALTHY, RECORDS[1], |segment| {
         (segment.verdict.is_err(), KINDS.map(|kind| bench.severity(segment, kind)))
     })?;
