@@ -6,17 +6,19 @@
 //! ```text
 //! score = ((1 − b) x − u)/√(v + b x²),   x = prominence^⅓                                              (1)
 //! x_n:  score(x_n) = n                                                                                (2)
-//! E prominence = 1 + g ρ²,   g = (V(0) + 2 Σ_d (1 − d/7) V(d)) σ_c²/W(1)² Σ_h w_h q_h W(h)/σ_h² / Σ_h w_h  (3)
+//! E prominence = 1 + g ρ²,   g = ⅘ Z σ_c²/W(1)² Σ_h w_h q_h W(h)/σ_h² / Σ_h w_h                        (3)
+//! Z = V(0) + 2 Σ_d (1 − d/7) V(d)
 //! E x = (1 + κ)^⅓ (1 − a (1 + c)/(1 + κ)),   κ = g ρ²,   c = κ/(1 + κ)                                (4)
 //! smallest amplitude = 2 ρ σ_c,   where E x = x_n                                                      (5)
 //! ```
 //!
 //! (1) is the score of [`super::slip`] as a function of the cube root of the prominence: a = 2/(9ν), u its usual mean,
 //! v its variance, b the uncertainty of the noise. ρ is the amplitude |A| of the defect over the deviation `σ_c` of the
-//! noise at the order. (3): blocks of a defect are A W with the phases of its angle, so that R(h, d) = `|A_h|²` V(d) W(h)²/W(1)².
-//! The harmonics of pulses of a tenth to half of a period have the powers q = 1, ½, ¼ of the first one. (4) is the
-//! mean of the cube root of a noncentral χ² (Abdel-Aty 1954). A record of more turns has larger V and W, and so shows
-//! a smaller defect; where the shaft hardly turned none does.
+//! noise at the order. (3): blocks of a defect are A W with the phases of its angle, so that R(h, d) has `|A_h|²` V(d)
+//! W(h)²/W(1)². The harmonics of pulses of a tenth to half of a period have the powers q = 1, ½, ¼ of the first one.
+//! Pulses vary with load, slip and lubrication: four fifths of their power are taken as that which stays in phase. (4) is
+//! the mean of the cube root of a noncentral χ² (Abdel-Aty 1954). A record of more turns has larger V and W, and so
+//! shows a smaller defect; where the shaft hardly turned none does.
 //!
 //! The score n that a defect needs contains what else differs between healthy segments: the model has it
 //! ([`TrackedOrder::needed_score`](super::blocks::TrackedOrder::needed_score)), by the gate of its classifier.
@@ -26,6 +28,8 @@ use crate::plan::MAX_HARMONICS;
 
 /// q of (3).
 pub(super) const POWERS: [f32; MAX_HARMONICS] = [1.0, 0.5, 0.25];
+/// Part of the power of a defect that stays in phase.
+pub(super) const IN_PHASE: f32 = 0.8;
 /// Steps of (4): each divides the error by about ν.
 const STEPS: usize = 3;
 

@@ -127,7 +127,7 @@ impl Search {
         let (shift, curvature, best) = peak.vertex();
         let slip = (f32::from(peak.at) + shift) * range.slip / f32::from(SIDE);
         let [w1, w2, w3] = order.weights;
-        let gain = of_pairs.coherent * variance * power.harmonics / (w1 + w2 + w3);
+        let gain = sight::IN_PHASE * of_pairs.coherent * variance * power.harmonics / (w1 + w2 + w3);
         Self { pairs: of_pairs, variance, uncertain, slopes: power.slopes, gain, best, slip, curvature }
     }
 
