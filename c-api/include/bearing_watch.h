@@ -330,8 +330,8 @@ enum BwReason
   BW_REASON_OTHER_MODEL = 14,
   // A fault that was found after the segment may have begun in it (`bw_discard`).
   BW_REASON_FOUND_LATE = 15,
-  // Healthy is most plausible, but the segment would not have shown an acceptable defect (`BW_VALUES_SMALLEST`): `place` is
-  // 0 if the shaft turned too little for the bearing orders, 1 if they are too noisy.
+  // Healthy is most plausible, but the segment would not have shown an acceptable defect (`BW_VALUES_SMALLEST`):
+  // `place` is 0 if the shaft turned too little for the bearing orders, 1 if they are too noisy.
   BW_REASON_UNSEEN = 16,
 };
 #ifndef __cplusplus

@@ -66,8 +66,8 @@ pub enum BwReason {
     OtherModel = 14,
     /// A fault that was found after the segment may have begun in it (`bw_discard`).
     FoundLate = 15,
-    /// Healthy is most plausible, but the segment would not have shown an acceptable defect (`BW_VALUES_SMALLEST`): `place` is
-    /// 0 if the shaft turned too little for the bearing orders, 1 if they are too noisy.
+    /// Healthy is most plausible, but the segment would not have shown an acceptable defect (`BW_VALUES_SMALLEST`):
+    /// `place` is 0 if the shaft turned too little for the bearing orders, 1 if they are too noisy.
     Unseen = 16,
 }
 

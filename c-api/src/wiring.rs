@@ -216,3 +216,23 @@ pub extern "C" fn bw_wiring_text(fault: i32) -> *const c_char {
     let known = BwWiringFault::ALL.into_iter().find(|known| *known as i32 == fault);
     known.map_or(c"unknown fault", BwWiringFault::text).as_ptr()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_fault_has_its_value_with_its_sign() {
+        let of = |fault| {
+            let own = BwWiring::from(Err(fault));
+            (own.fault, own.value)
+        };
+        // Exchanged phases of a motor with seven pole pairs.
+        assert_eq!(of(WiringFault::PolePairs { fits: -7 }), (BwWiringFault::PolePairs, -7.0));
+        assert_eq!(of(WiringFault::PolePairs { fits: 7 }), (BwWiringFault::PolePairs, 7.0));
+        assert_eq!(of(WiringFault::RateOrUnit { ratio: -0.5 }), (BwWiringFault::RateOrUnit, -0.5));
+        assert_eq!(of(WiringFault::Offset { error_rad: -0.25 }), (BwWiringFault::Offset, -0.25));
+        assert_eq!(of(WiringFault::Delay { delay_s: -0.001 }), (BwWiringFault::Delay, -0.001));
+        assert_eq!(of(WiringFault::NotTurning { coherence: 0.125 }), (BwWiringFault::NotTurning, 0.125));
+    }
+}

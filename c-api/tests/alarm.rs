@@ -72,3 +72,12 @@ fn an_alarm_stands_until_it_is_denied_or_reset() {
         assert_eq!((told(&alarm(state)), alarm(state).score), ((false, false, 0, 0), 0.0));
     }
 }
+
+#[test]
+fn an_alarm_of_a_class_says_of_no_coordinate_that_it_has_risen_or_fallen() {
+    let mut memory = Memory::new();
+    let state = memory.state(&bytes(&alarmed::model())).expect("good model");
+    let raised = (0..4).map(|_| take(state, SPALL, 1.0)).find(|alarm| alarm.raised).expect("an alarm");
+    let BwAlarm { risen, fallen, coordinate, deviations, since, .. } = raised;
+    assert_eq!((risen, fallen, coordinate, deviations, since), (false, false, 0, 0.0, 0));
+}

@@ -141,3 +141,23 @@ fn with_other_times_they_count_anew() {
         assert_eq!(codes, [BwCode::Ok, BwCode::Ok, BwCode::NoSample]);
     }
 }
+
+#[test]
+fn segments_whose_verdict_is_undetermined_are_no_verdicts_for_the_clock() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("a good model");
+    let (mut told, mut reports) = (Vec::new(), 0);
+    // SAFETY: the state is initialised, and the values are there.
+    unsafe {
+        assert_eq!(bw_limit_liveness(state, 1.0, 15.0, 25.0), BwCode::Ok);
+        for taken in (1..).take(3 * SEGMENT) {
+            // No channel has a number.
+            reports += usize::from(bw_step(state, [f32::NAN; 3].as_ptr(), 3, 0) == BwCode::Report);
+            let code = bw_clock(state, taken, 2 * taken);
+            if (code as i32) < 0 {
+                told.push((code, 2 * taken / 100));
+            }
+        }
+    }
+    assert_eq!((reports, told), (3, vec![(BwCode::NoVerdict, 250)]));
+}

@@ -14,14 +14,14 @@
 //! ones. (1) removes the contribution of the prior to p: a tight prior would keep p near n although the signals are
 //! wrong. √2 is the geometric mean of 1 and 2, the errors of a right signal and of one at half or double the sampling
 //! rate; the prior is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. If the
-//! ratio r of velocity and angle with its deviation `s_r` ([`TravelSums`](crate::signal::TravelSums)) is wrong, so is the
-//! velocity, whatever the balance. An offset of one deviation of its noise is at most 1/12 of the slowest velocity (3). R
-//! is the sum of squares of the residual, E that of the current which the terms explain, and c the part of the rows that
-//! the terms fit by chance. A current that was transformed at another angle than that of the rotor (pole pairs, phase order,
-//! electrical offset) follows neither motion nor load, while a defect adds friction, which the terms explain, and
-//! pulses far below the current of the load (4). A load that is not measured may be most of the current, and may change
-//! the estimate of the inertia by more than its deviation: without a measured load, (2) only finds wrong signs, and (4)
-//! is not applied. There the nominal parameters are also compared with their negatives
+//! ratio r of velocity and angle with its deviation `s_r` ([`TravelSums`](crate::signal::TravelSums)) is wrong, so is
+//! the velocity, whatever the balance. An offset of one deviation of its noise is at most 1/12 of the slowest velocity
+//! (3). R is the sum of squares of the residual, E that of the current which the terms explain, and c the part of the
+//! rows that the terms fit by chance. A current that was transformed at another angle than that of the rotor (pole
+//! pairs, phase order, electrical offset) follows neither motion nor load, while a defect adds friction, which the
+//! terms explain, and pulses far below the current of the load (4). A load that is not measured may be most of the
+//! current, and may change the estimate of the inertia by more than its deviation: without a measured load, (2) only
+//! finds wrong signs, and (4) is not applied. There the nominal parameters are also compared with their negatives
 //! ([`is_opposed`](super::balance::Estimated::is_opposed)).
 //!
 //! A gain of all currents, of the load, or of the magnet that changes by a fifth is below the limits of (2), but looks

@@ -161,8 +161,8 @@ fn short<P: Plan>(sums: &ShaftSums<P>, estimate: &mut ShaftEstimate<P>) -> Optio
     (used < seen / 2).then_some(Reason::ShortSegment { rows: used })
 }
 
-/// Why there are no orders: a shaft at rest has too few blocks. The residual is that of parameters which gaps may have left undetermined: the error of the
-/// friction is in it.
+/// Why there are no orders: a shaft at rest has too few blocks. The residual is that of parameters which gaps may have
+/// left undetermined: the error of the friction is in it.
 fn without_orders<P: Plan>(sums: &ShaftSums<P>, friction: Option<Reason>) -> Option<Reason> {
     let Usage { seen, used, .. } = sums.usage;
     let gaps = used < seen.wrapping_sub(seen / 16);

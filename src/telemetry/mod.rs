@@ -62,8 +62,9 @@
 //!
 //! Little-endian. The fields are those of postcard 1 with integers of fixed width, so that no length is stored twice.
 //! `healthy` is 1 and the place of the class, or a single 0 without one. Texts are UTF-8 and end in a zero byte. A
-//! missing feature is NaN, and the place of the feature of a coordinate that is a combination is 255. Kinds of features
-//! are those of [`Feature`](crate::model::Feature) in its order in the binary model; verdicts and reasons have the codes of `codes.rs`. Deviations, score and since are those of a
+//! missing feature is NaN, and the place of the feature of a coordinate that is a combination is 255. Kinds of
+//! features are those of [`Feature`](crate::model::Feature) in its order in the binary model; verdicts and reasons
+//! have the codes of `codes.rs`. Deviations, score and since are those of a
 //! [`Contribution`](crate::alarm::Contribution).
 //!
 //! Any change of this list raises the version; a decoder counts frames of another version as unknown.

@@ -208,4 +208,11 @@ mod tests {
             assert_eq!(join.take(wrong), None);
         }
     }
+
+    #[test]
+    fn pieces_that_are_lost_where_the_number_wraps_are_counted() {
+        let mut join = CanJoin::new();
+        let gaps = [254, 1, 2].map(|number| join.take(&[number, 7]).map(|(gap, _)| gap));
+        assert_eq!((gaps, join.lost()), ([Some(false), Some(true), Some(false)], 2));
+    }
 }

@@ -196,3 +196,16 @@ fn there_is_no_time_left_to_a_size_that_is_none() {
         assert!(!grown.growth(0.0, 0.02, named).is_growing(), "{named}");
     }
 }
+
+/// (7): c = 6.25 + 2 − 1/4 over n = 10 runs, so b = 2 (8 + 10/4)/10² = 0.21, and b² [25, 5; 5, 1] is added to P.
+#[test]
+fn a_drift_beyond_its_limit_by_hand() {
+    let before = Course { joint: 0.01, drift: 6.25, drift_runs: 9.0, ..Course::new(1.0) };
+    let mut course = before;
+    course.follow(2.0);
+    let added =
+        [course.variance - before.variance, course.joint - before.joint, course.slope_variance - before.slope_variance];
+    for (added, expected) in added.into_iter().zip([1.1025, 0.2205, 0.0441]) {
+        assert!((added - expected).abs() < 1e-6, "{course:?}");
+    }
+}

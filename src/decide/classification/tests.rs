@@ -68,3 +68,21 @@ fn a_segment_without_any_coordinate_has_the_first_reason() {
         assert_eq!(none(Ok([14.0, far])), Reason::OutOfRange { covariate: 0 }, "{far}");
     }
 }
+
+/// The surprise of a squared distance k² of both coordinates is k, and the gate is at 2; that of a defect is at three
+/// times the distance. One coordinate is as improbable as that from 9 · 2.2097 on.
+#[test]
+fn a_segment_is_far_from_a_class_by_the_coordinates_that_are_left() {
+    let mut classifier = classifier();
+    let mut novelty = Novelty { class: Some(0), factor: vec![1.0, 0.0, 1.0], limit: 2.0, ..Novelty::none(plan()) };
+    for (k, knot) in (0_u8..).zip(&mut novelty.knots) {
+        *knot = [f32::from(k) * f32::from(k), f32::from(k)];
+    }
+    classifier.novelty = novelty;
+    let beyond =
+        |z: [f32; 2], variances: [f32; 2]| classifier.decide_at(plan(), &z, &variances).unwrap().beyond().to_vec();
+    for (departure, both, left) in [(4.3, false, false), (4.6, false, true), (5.9, false, true), (6.1, true, true)] {
+        assert_eq!(beyond([8.0 + departure, 8.0], [0.0; 2]), [false, both], "{departure}");
+        assert_eq!(beyond([8.0 + departure, 0.0], [0.0, f32::INFINITY]), [false, left], "{departure}");
+    }
+}

@@ -327,3 +327,14 @@ fn a_withdrawn_report_of_a_trial_takes_those_of_the_trial_before_it_along() {
     assert!(monitor.withdraw(detector.discard().expect("no sample yet")));
     assert_eq!((monitor.evidence().score(), monitor.evidence().segments()), (score, (2, 1)));
 }
+
+#[test]
+fn what_a_trial_takes_out_does_not_bring_back_what_was_before_a_reset() {
+    let model = gated();
+    let (mut monitor, _) = doubted(&model, 2);
+    monitor.begin_trial();
+    assert!(monitor.alarm().is_some());
+    monitor.reset();
+    monitor.refuse(Some(Implausible::Rate));
+    assert_eq!(monitor.evidence(), &Evidence::new(&model));
+}

@@ -4,11 +4,12 @@ use std::vec;
 use std::vec::Vec;
 
 use super::*;
+use crate::detector::Detector;
 use crate::model::{
     Blocks, Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Label, Lags, Novelty,
     Projection, Sampling, ShaftConstants, TrackedOrder, Tracking,
 };
-use crate::plan::{Kind, Layout, RunTime, ShaftLayout, Signal};
+use crate::plan::{Kind, Layout, RunTime, RunTimeSample, ShaftLayout, Signal};
 use crate::shaft::state::tests::balance;
 use crate::shaft::{OrderStrength, ShaftEstimate};
 
@@ -106,4 +107,19 @@ fn without_orders_the_friction_decides() {
     let of = |value, friction| verdict(&model, value, OrderStrength::default(), friction);
     assert_eq!([of(0.0, true), of(9.0, false)], [Verdict::Class(0), Verdict::Class(1)]);
     assert_eq!(of(0.0, false), Verdict::Undetermined(Reason::TermNotExcited(term)));
+}
+
+#[test]
+fn without_a_regression_the_rows_of_a_segment_are_its_own_usable_samples() {
+    let model = model(Feature::Friction(FrictionTerm::Drag));
+    let mut detector = Detector::new(&model);
+    let rows: Vec<u32> = (0..600_u16)
+        .filter_map(|k| {
+            // Every fourth sample of the second segment is refused.
+            let current = if (200..400).contains(&k) && k % 4 == 0 { f32::NAN } else { 1.0 };
+            let sample = RunTimeSample { values: vec![current, 2.0, 0.0], ..RunTimeSample::default() };
+            detector.step(&sample).map(|report| report.rows)
+        })
+        .collect();
+    assert_eq!(rows, [200, 150, 200]);
 }

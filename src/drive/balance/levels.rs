@@ -38,17 +38,13 @@ struct Reach {
 }
 
 impl Reach {
-    /// By how much the phase stays below what the others say (2), and whether it has no current there; 0 if its gain is
-    /// wrong where the current is small.
+    /// Whether the gain is right where the current is small.
     // Out of line: six calls of it are smaller than six copies.
     #[inline(never)]
-    fn lacks(&self, [measured, others]: [f32; 2], noise_a: f32) -> (f32, bool) {
-        let half = measured < NO_CURRENT * others;
+    fn has_gain(&self, noise_a: f32) -> bool {
         // The noise of the own sensor is σ²/3 of the products.
         let most = GAIN * self.square + self.count * noise_a * noise_a / 3.0;
-        let has_gain = self.product.abs() <= most && self.square > 0.0;
-        let lacks = others - measured - (NOISE * noise_a).max(PART * others);
-        (if half || has_gain { lacks } else { 0.0 }, half)
+        self.product.abs() <= most && self.square > 0.0
     }
 }
 
@@ -93,8 +89,9 @@ impl Levels {
         let mut found = (0.0, None);
         for (reach, phase) in self.reaches.iter().zip(Phase::ALL) {
             for (measured, others) in reach.measured.into_iter().zip(reach.by_others) {
-                let (lacks, half) = reach.lacks([measured, others], noise_a);
-                if lacks > found.0 {
+                let lacks = others - measured - (NOISE * noise_a).max(PART * others);
+                let half = measured < NO_CURRENT * others;
+                if lacks > found.0 && (half || reach.has_gain(noise_a)) {
                     found = (lacks, Some(if half { Imbalance::HalfWave(phase) } else { Imbalance::Clipped(phase) }));
                 }
             }

@@ -74,9 +74,10 @@ pub struct CleanSample<const FURTHER: usize> {
     pub angle: Angle,
     /// The further channels, NaN if missing.
     pub further: [f32; FURTHER],
-    /// A converter or a bit of the angle was found stuck, the currents were found not to fit each other, or the gains of
-    /// the resolver were found to differ, after the clean sample before this one. The fault began up to two windows or half a turn
-    /// earlier, so that earlier samples were wrong: call [`Detector::discard`](crate::Detector::discard).
+    /// A converter or a bit of the angle was found stuck, the currents were found not to fit each other, or the gains
+    /// of the resolver were found to differ, after the clean sample before this one. The fault began up to two windows
+    /// or half a turn earlier, so that earlier samples were wrong: call
+    /// [`Detector::discard`](crate::Detector::discard).
     pub found_late: bool,
     /// Whether the currents turn with the rotor: pass it to
     /// [`Monitor::tell_alignment`](crate::Monitor::tell_alignment), which gives no verdict before that is known.

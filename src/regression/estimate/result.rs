@@ -209,4 +209,15 @@ mod tests {
             assert!((got - want).abs() < 1e-6, "{got} {want}"); // rounding of numbers near one
         }
     }
+
+    #[test]
+    fn the_constant_of_a_model_without_output_terms_is_that_of_the_signals_themselves() {
+        let structure = Structure { offset: true, ..Structure::new(0, 1, 0, 1, 0) };
+        let layout = testing::regression(structure, Method::LeastSquares, Memory::Segment);
+        let mut estimate = Estimate::empty(RunTime::of(layout).unwrap());
+        // y − 5 = 2 (u − 3) + ½ is y = 2 u − ½.
+        estimate.delta = vec![2.0, 0.5];
+        estimate.restore_constant([5.0, 3.0, 0.0]);
+        assert_eq!(estimate.delta, [2.0, -0.5]);
+    }
 }

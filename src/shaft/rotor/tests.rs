@@ -157,3 +157,24 @@ fn only_lines_of_the_same_order_are_compared_and_only_a_grown_first_order_is_an_
     let change = RotorChange::between(&before, &both, &RotorLimits::USUAL);
     assert!(matches!(change, RotorChange::Other { .. }), "{change:?}");
 }
+
+/// A disturbance that lasts for several bins is known worse than its passes alone tell, whichever way the rotor turns.
+#[test]
+fn a_slow_disturbance_widens_a_line_alike_in_both_directions() {
+    let deviation_a = |disturbed: f32| {
+        let mut map = RotorMap::<64>::new();
+        let (mut state, mut slow) = (1_u32, 0.0);
+        for (turns, sign) in [(1, 1.0), (1, -1.0), (40, disturbed)] {
+            for k in 0..turns * 64 {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                slow = 0.9 * slow + f32::from((state >> 16) as i16) / 3e5;
+                let middle = Angle::from_counts(2 * k + 1, 7);
+                let angle = if sign > 0.0 { middle } else { middle.negated() };
+                map.push(&SETTINGS, angle, if turns > 1 { slow } else { 0.0 }, 3.0 * sign);
+            }
+        }
+        map.line(1).expect("all bins are passed").deviation_a
+    };
+    let (forward, backward) = (deviation_a(1.0), deviation_a(-1.0));
+    assert!(forward > 0.0 && (backward / forward - 1.0).abs() < 0.02, "{forward} {backward}");
+}

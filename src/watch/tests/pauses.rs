@@ -102,3 +102,21 @@ fn with_other_limits_the_times_count_anew() {
     watch.limit_liveness(limits);
     assert_eq!([1_100, 2_099, 2_100].map(|now| watch.clock(now)), [None, None, Some(Lapse::NoSample)]);
 }
+
+#[test]
+fn a_single_lost_sample_is_a_missing_one_for_the_detector() {
+    let (watch, missing) = (started(), Sample::of(&[f32::NAN; MAX_CHANNELS], Angle::ZERO));
+    let (mut shown, mut reports) = (Vec::new(), Vec::new());
+    for (k, sample) in samples(1.0).take(ROWS).enumerate() {
+        watch.sample(sample);
+        // Four wait in the queue and one before it, which the next one replaces.
+        if !(1000..1005).contains(&k) {
+            watch.collect();
+        }
+        shown.push(if k == 1004 { missing } else { sample });
+        reports.extend(concluded(watch));
+    }
+    assert_eq!((watch.status().lost_samples, watch.status().rows as usize), (1, ROWS));
+    let expected = alone(shown.into_iter());
+    assert!(reports.len() > 5 && reports[..] == expected[..reports.len()]);
+}

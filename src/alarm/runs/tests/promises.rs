@@ -145,3 +145,13 @@ fn an_alarm_keeps_its_cause_and_its_contribution_until_it_is_reset() {
     evidence.reset();
     assert_eq!((evidence.alarm(), evidence.main_contribution()), (None, None));
 }
+
+/// ω = 1/(1 + v/W) with W = 4, U = 4 and B = 1/4: N = 1 + 1 + ½ + ½, x = 1, and 1/√(1/4 + 4/3) deviations.
+#[test]
+fn what_an_error_is_worth_depends_on_how_much_segments_differ() {
+    let mut evidence = evidence_of(vec![Direction { between: 4.0, segment: 4.0, ..DIRECTION }], 0.0, 100);
+    [(0.0, 0.0), (3.0, 4.0), (0.0, 0.0), (3.0, 4.0)].iter().for_each(|(y, v)| segment(&mut evidence, *y, *v));
+    evidence.end_run();
+    let deviations = evidence.contribution(0).unwrap().deviations;
+    assert!((deviations - 0.794_719).abs() < 1e-5, "{deviations}");
+}

@@ -5,10 +5,10 @@
 //! z_k is called as raw feature j if row k of W has a weight of j alone, above 0, else z1, z2, …
 //! ```
 //!
-//! Such a coordinate rises where its feature does. A coordinate is no place among the features of the core: they are in the order of the catalogue, the coordinates in
-//! the order in which training chose them, with those last that a defect only raises. With a projection a coordinate is
-//! a combination of features, and has a number only. W of (1) is that of training; the core has W T of δ-features
-//! ([`super::features`]), from which T⁻¹ returns.
+//! Such a coordinate rises where its feature does. A coordinate is no place among the features of the core: they are
+//! in the order of the catalogue, the coordinates in the order in which training chose them, with those last that a
+//! defect only raises. With a projection a coordinate is a combination of features, and has a number only. W of (1) is
+//! that of training; the core has W T of δ-features ([`super::features`]), from which T⁻¹ returns.
 
 use std::fmt;
 

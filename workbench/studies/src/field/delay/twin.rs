@@ -197,8 +197,8 @@ mod tests {
 
     #[test]
     fn scores_of_skewed_values_are_normal() {
-        // No skewness: t itself; little of it changes little. An exponential distribution has γ = 2: its mean and one deviation beyond it
-        // have the normal scores of 1 − 1/e and 1 − 1/e².
+        // No skewness: t itself; little of it changes little. An exponential distribution has γ = 2: its mean and one
+        // deviation beyond it have the normal scores of 1 − 1/e and 1 − 1/e².
         assert!(normal_score(1.7, 0.01) == 1.7 && (normal_score(1.7, 0.06) - 1.7).abs() < 0.03);
         assert!((normal_score(0.0, 2.0) - 0.337).abs() < 0.02);
         assert!((normal_score(1.0, 2.0) - 1.102).abs() < 0.05);
