@@ -664,8 +664,8 @@ typedef struct BwReport {
   float distance;
   // -ln of the probability that a healthy segment is at least so unusual, nats; likewise.
   float surprise;
-  // The coordinate that departs most from the healthy class, a place in `BW_MODEL_COORDINATE_NAMES` of the model's
-  // header; 255 without a healthy class or a verdict.
+  // The coordinate that departs most from the healthy class, or that of a strong bearing order: a place in
+  // `BW_MODEL_COORDINATE_NAMES` of the model's header; 255 without a healthy class or a verdict.
   uint8_t most;
   // Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
   bool falls;

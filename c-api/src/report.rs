@@ -129,8 +129,8 @@ pub struct BwReport {
     pub distance: f32,
     /// -ln of the probability that a healthy segment is at least so unusual, nats; likewise.
     pub surprise: f32,
-    /// The coordinate that departs most from the healthy class, a place in `BW_MODEL_COORDINATE_NAMES` of the model's
-    /// header; 255 without a healthy class or a verdict.
+    /// The coordinate that departs most from the healthy class, or that of a strong bearing order: a place in
+    /// `BW_MODEL_COORDINATE_NAMES` of the model's header; 255 without a healthy class or a verdict.
     pub most: u8,
     /// Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
     pub falls: bool,

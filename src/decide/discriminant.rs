@@ -66,7 +66,8 @@ pub struct Decision<P: Plan> {
     /// The same of the distance and of features that only rise with a defect together, nats; 0 without a healthy
     /// class. The novelty gate compares it.
     pub surprise: f32,
-    /// The coordinate that departs most from the healthy class; `None` without such a class.
+    /// The coordinate that departs most from the healthy class, in a report that of the strongest bearing order if one
+    /// has the score that a defect needs; `None` without such a class.
     pub most: Option<Most>,
     /// The rarest fall of a coordinate that a defect raises: the load or a sensor, and no bearing.
     pub fall: Fall,

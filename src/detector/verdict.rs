@@ -1,7 +1,7 @@
 //! The verdict of a solved segment.
 
 use super::segment::Segment;
-use crate::model::Model;
+use crate::model::{Model, Most};
 use crate::plan::{Cells, Plan};
 use crate::reason::{FrictionTerm, Obstacle, Reason};
 use crate::regression::factor::pairs;
@@ -32,11 +32,34 @@ pub(super) fn judge<P: Plan>(
     let short = segment.whole && report.rows < constants.sampling.segment_samples / 2;
     let result = if short { result.and(Err(Reason::ShortSegment { rows: report.rows })) } else { result };
     conclude(model, report, result);
+    if report.verdict == Verdict::Novel {
+        name_order(model, report);
+    }
     let healthy = constants.classifier.novelty.class.map(Verdict::Class);
     if Some(report.verdict) == healthy
         && let Some(reason) = unseen(model, report, friction)
     {
         (report.verdict, report.decision) = (Verdict::Undetermined(reason), None);
+    }
+}
+
+/// Names the strongest bearing order as what departs most, if one has the score that a defect needs: a defect of a race
+/// raises friction too, and often by more deviations.
+#[inline(never)]
+fn name_order<P: Plan>(model: &Model<P>, report: &mut Report<P>) {
+    let (classifier, shaft) = (&model.constants().classifier, model.constants().shaft.part());
+    let parts = (shaft, report.shaft.part(), report.decision.as_mut());
+    let (Some(constants), Some(shaft), Some(decision)) = parts else { return };
+    let orders = constants.tracking.orders.cells();
+    let mut strongest = f32::NEG_INFINITY;
+    for k in 0..rolled(classifier.novelty.mean.cells().len()) {
+        let only = classifier.projection.only(k).and_then(|(place, _)| classifier.features.cells().get(place)?.order());
+        let Some(place) = only else { continue };
+        let Some((own, order)) = shaft.orders().get(place as usize).zip(orders.get(place as usize)) else { continue };
+        if !own.unseen && own.score >= order.needed_score && own.score > strongest {
+            strongest = own.score;
+            decision.most = u8::try_from(k).ok().map(|coordinate| Most { coordinate, falls: false });
+        }
     }
 }
 

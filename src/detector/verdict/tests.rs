@@ -15,11 +15,28 @@ use crate::shaft::{OrderStrength, ShaftEstimate};
 
 /// Healthy at 0 and a defect at 9, in one feature; amplitudes up to 0.5 A are acceptable.
 fn model(feature: Feature) -> Model<RunTime> {
+    model_of(&[feature])
+}
+
+/// The same in some features.
+fn model_of(features: &[Feature]) -> Model<RunTime> {
+    let count = features.len();
+    let unit = |rows: usize, row_from: fn(usize) -> usize| -> Vec<f32> {
+        (0..rows).flat_map(|k| (row_from(k)..rows).map(move |j| f32::from(u8::from(j == k)))).collect()
+    };
+    let [matrix, diagonal] = [unit(count, |_| 0), unit(count, |k| k)];
     let [current, velocity, load] = [0, 1, 2].map(Signal::channel);
-    let orders = u8::from(feature.order().is_some());
+    let orders = features.iter().filter(|feature| feature.order().is_some()).count() as u8;
     let (velocity, load) = (Some(velocity), Some(load));
     let shaft = ShaftLayout { current, velocity, load, orders, harmonics: 3, decimation: 1 };
-    let layout = Layout { channels: 3, shaft: Some(shaft), features: 1, coordinates: 1, classes: 2, ..Layout::EMPTY };
+    let layout = Layout {
+        channels: 3,
+        shaft: Some(shaft),
+        features: count as u8,
+        coordinates: count as u8,
+        classes: 2,
+        ..Layout::EMPTY
+    };
     let plan = RunTime::of(Layout { discriminant: Kind::Linear, ..layout }).unwrap();
     let blocks = Blocks {
         controls: [100_000, 200_000, 300_000, 400_000],
@@ -38,20 +55,20 @@ fn model(feature: Feature) -> Model<RunTime> {
         regression: vec![],
         shaft: vec![ShaftConstants { lags: Lags::default(), balance: balance(), tracking }],
         classifier: Classifier {
-            features: vec![feature],
+            features: features.to_vec(),
             covariates: Covariates { list: vec![], map: vec![] },
-            projection: Projection { matrix: vec![1.0], mean: vec![0.0], usual: vec![0.0] },
+            projection: Projection { matrix, mean: vec![0.0; count], usual: vec![0.0; count] },
             discriminant: Discriminant {
-                means: vec![0.0, 9.0],
-                factors: vec![1.0],
+                means: [vec![0.0; count], vec![9.0; count]].concat(),
+                factors: diagonal.clone(),
                 log_prior: vec![-0.693; 2],
                 costs: vec![0.0, 1.0, 1.0, 0.0],
                 reject_cost: f32::INFINITY,
             },
             novelty: Novelty {
                 class: Some(0),
-                mean: vec![0.0],
-                factor: vec![1.0],
+                mean: vec![0.0; count],
+                factor: diagonal,
                 knots,
                 limit: 4.5,
                 ..Novelty::none(plan)
@@ -122,4 +139,28 @@ fn without_a_regression_the_rows_of_a_segment_are_its_own_usable_samples() {
         })
         .collect();
     assert_eq!(rows, [200, 150, 200]);
+}
+
+#[test]
+fn a_race_is_named_before_friction_if_its_order_is_strong_enough() {
+    use crate::reason::FrictionTerm::Drag;
+    let model = model_of(&[Feature::Friction(Drag), Feature::OrderScore(0), Feature::OrderScore(1)]);
+    let named = |scores: [f32; 2], unseen: bool| {
+        let plan = model.plan();
+        let mut estimate = ShaftEstimate::empty(plan);
+        (estimate.friction_reason, estimate.orders_reason) = (None, None);
+        estimate.orders = scores.map(|score| OrderStrength { score, unseen, ..OrderStrength::default() }).to_vec();
+        let mut report = Report::empty(plan);
+        report.shaft = vec![estimate];
+        let values = [[90.0], [scores[0]], [scores[1]]].concat();
+        report.decision = model.constants().classifier.decide_at(plan, &values, &[0.0; 3]);
+        judge(&model, &Segment::new(&model), &mut report, (Ok(()), true));
+        assert_eq!(report.verdict, Verdict::Novel);
+        report.decision.and_then(|decision| decision.most)
+    };
+    let coordinate = |coordinate| Some(Most { coordinate, falls: false });
+    // The orders need a score of 4.
+    assert_eq!(named([3.9, 2.0], false), coordinate(0));
+    assert_eq!([named([4.1, 2.0], false), named([4.1, 5.0], false)], [coordinate(1), coordinate(2)]);
+    assert_eq!(named([9.0, 9.0], true), coordinate(0), "the shaft has turned too little");
 }
