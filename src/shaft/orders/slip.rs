@@ -239,7 +239,7 @@ struct Power {
     constant: f32,
     /// The first sum of (7).
     slopes: f32,
-    /// Σ w q W(h)/(σ_h² W(1)²), of the powers of a defect's harmonics.
+    /// `Σ w q W(h)/(σ_h² W(1)²)`, of the powers of a defect's harmonics.
     harmonics: f32,
 }
 
