@@ -6,8 +6,7 @@ use bearing_watch::{Implausible, Liveness, LivenessLimits, Stage};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::at;
-use crate::state::{BwState, OwnMonitor};
-use crate::timing::Clock;
+use crate::state::{BwState, Clock, OwnMonitor};
 
 /// Compares what was done so far with a clock, in milliseconds, which the timer of the samples does not make. `samples`
 /// is the number of samples that `bw_put` or `bw_collect` was given; both may wrap. Call it in the main loop, as often as

@@ -67,7 +67,6 @@ mod sizes;
 mod solving;
 mod state;
 mod telemetry;
-mod timing;
 mod waiting;
 mod wiring;
 

@@ -9,8 +9,7 @@ use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
 use crate::solving::reported;
-use crate::state::{BwState, OwnDetector, OwnMonitor, Sample};
-use crate::timing::Clock;
+use crate::state::{BwState, Clock, OwnDetector, OwnMonitor, Sample, count_on};
 
 /// Most lost samples that are made up for at once: more than the shaft bridges, so that everything starts anew.
 const MOST_MISSED: u32 = 16;
@@ -124,15 +123,10 @@ fn keep(state: &BwState, exchange: Exchange<'static, Own>) -> Outcome {
         count(&state.lost_segments);
         return Err(BwCode::SegmentLost);
     };
-    count_closed(state);
+    count_on(&state.closed_segments);
     // SAFETY: the caller holds the sampling half of the state, and has taken the place of the slot for this one.
     unsafe { state.closed.fill(place) };
     Ok(BwCode::Segment)
-}
-
-/// Counts a closed segment, for the clock.
-fn count_closed(state: &BwState) {
-    state.closed_segments.store(state.closed_segments.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
 }
 
 /// Adds one. By load and store: only the holder of the part counts, and a lost count would only be a lost count.
@@ -163,7 +157,7 @@ fn step(state: &BwState, sample: &Sample) -> Outcome {
         state.sampling.with(|detector| {
             take(state, sample, |sample| match monitor.step(detector, sample) {
                 Some(now) => {
-                    count_closed(state);
+                    count_on(&state.closed_segments);
                     Ok(reported(state, now.report.verdict))
                 }
                 None => Ok(BwCode::Ok),
@@ -244,15 +238,22 @@ mod tests {
 
     static FILE: &[u8] = include_bytes!("../../examples/support/standard_rig/model.bwm");
 
+    /// A state of the standard rig's model in this memory.
+    fn initialised(memory: &mut [u64]) -> *mut BwState {
+        let mut state = core::ptr::null_mut();
+        let (place, bytes) = (memory.as_mut_ptr().cast(), size_of_val(memory));
+        // SAFETY: memory and file have these lengths.
+        let code = unsafe { bw_init(place, bytes, FILE.as_ptr(), FILE.len(), &raw mut state) };
+        assert_eq!(code, BwCode::Ok);
+        state
+    }
+
     #[test]
     fn an_interrupt_in_another_function_is_refused_and_its_sample_counted() {
-        let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
-        let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);
-        let sample = values.as_ptr();
+        let (mut memory, values) = (vec![0_u64; BW_STATE_SIZE / 8], [0.5; 3]);
+        let (own, sample) = (initialised(&mut memory), values.as_ptr());
         // SAFETY: the memory is there as long as the state is used.
         unsafe {
-            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
-            assert_eq!(code, BwCode::Ok);
             let state = at(own).unwrap();
             let during = || [bw_collect(own, sample, 3, 0), bw_step(own, sample, 3, 0), bw_restart(own), bw_reset(own)];
             assert_eq!(state.sampling.with(|_| during()), Ok([BwCode::Busy; 4]));
@@ -267,13 +268,10 @@ mod tests {
     /// The detector must know of a gap, or it takes the samples on both sides for neighbours.
     #[test]
     fn lost_samples_count_as_refused_ones_in_the_segment() {
-        let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
-        let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);
-        let sample = values.as_ptr();
+        let (mut memory, values) = (vec![0_u64; BW_STATE_SIZE / 8], [0.5; 3]);
+        let (own, sample) = (initialised(&mut memory), values.as_ptr());
         // SAFETY: the memory is there as long as the state is used.
         unsafe {
-            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
-            assert_eq!(code, BwCode::Ok);
             let state = at(own).unwrap();
             let counted = || state.sampling.with(|detector| (detector.pending(), detector.counts().rejected)).unwrap();
             bw_collect(own, sample, 3, 0);
@@ -294,13 +292,10 @@ mod tests {
 
     #[test]
     fn samples_lost_before_a_reset_are_no_gap_behind_it() {
-        let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
-        let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);
-        let sample = values.as_ptr();
+        let (mut memory, values) = (vec![0_u64; BW_STATE_SIZE / 8], [0.5; 3]);
+        let (own, sample) = (initialised(&mut memory), values.as_ptr());
         // SAFETY: the memory is there as long as the state is used.
         unsafe {
-            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
-            assert_eq!(code, BwCode::Ok);
             let state = at(own).unwrap();
             let _busy = state.sampling.with(|_| [0; 5].map(|_| bw_collect(own, sample, 3, 0)));
             assert_eq!([bw_reset(own), bw_collect(own, sample, 3, 0)], [BwCode::Ok; 2]);
@@ -312,13 +307,10 @@ mod tests {
 
     #[test]
     fn a_step_waits_for_the_segment_of_the_interrupt() {
-        let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
-        let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);
-        let sample = values.as_ptr();
+        let (mut memory, values) = (vec![0_u64; BW_STATE_SIZE / 8], [0.5; 3]);
+        let (own, sample) = (initialised(&mut memory), values.as_ptr());
         // SAFETY: the memory is there as long as the state is used.
         unsafe {
-            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
-            assert_eq!(code, BwCode::Ok);
             while bw_collect(own, sample, 3, 0) != BwCode::Segment {}
             assert_eq!(bw_step(own, sample, 3, 0), BwCode::Busy, "it waits to be solved");
             assert_eq!(bw_advance(own), BwCode::Ok);

@@ -1,12 +1,10 @@
 //! What the main loop calls: a closed segment → its report.
 
-use core::sync::atomic::Ordering;
-
 use bearing_watch::Verdict;
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::at;
-use crate::state::{BwState, OwnMonitor};
+use crate::state::{BwState, OwnMonitor, count_on};
 
 /// Does the next step of the solve of the closed segment, of bounded cost; call it again and again in the main loop.
 /// The first step takes the segment, so that the interrupt can close the next one. The alarm takes account of the
@@ -60,7 +58,7 @@ fn conclude(state: &BwState, monitor: &mut OwnMonitor) -> BwCode {
 /// Counts a report with a verdict, for the clock.
 pub(crate) fn reported(state: &BwState, verdict: Verdict) -> BwCode {
     if !matches!(verdict, Verdict::Undetermined(_)) {
-        state.verdicts.store(state.verdicts.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+        count_on(&state.verdicts);
     }
     BwCode::Report
 }

@@ -12,13 +12,13 @@ use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
 use bearing_watch::drive::Alignment;
+use bearing_watch::model::Sampling;
 use bearing_watch::plan::Plan;
-use bearing_watch::{Detector, Model, Monitor, Segment};
+use bearing_watch::{Detector, Liveness, LivenessLimits, Model, Monitor, RateCheck, Segment};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{BW_STATE_ALIGN, Object, Tag, check, elements, put, room};
 use crate::plan::Own;
-use crate::timing::Clock;
 use crate::waiting::Waiting;
 
 /// Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
@@ -83,6 +83,35 @@ impl Deref for BwState {
 
     fn deref(&self) -> &Halves {
         &self.0
+    }
+}
+
+/// Adds one with wrap-around, for the clock, which compares differences.
+pub(crate) fn count_on(counter: &AtomicU32) {
+    counter.store(counter.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+}
+
+/// What the clock is compared with.
+#[derive(Debug)]
+pub(crate) struct Clock {
+    pub(crate) rate: RateCheck,
+    /// Whether the last window of the rate was right.
+    pub(crate) right: bool,
+    /// Whether the clock was read.
+    pub(crate) started: bool,
+    pub(crate) liveness: Liveness,
+}
+
+impl Clock {
+    pub(crate) fn new(sampling: &Sampling) -> Self {
+        let liveness = Liveness::new(LivenessLimits::of_segments(sampling.segment_s()));
+        Self { rate: RateCheck::of_milliseconds(sampling.interval_s), right: true, started: false, liveness }
+    }
+
+    /// Starts anew, after a pause of the samples.
+    pub(crate) const fn restart(&mut self) {
+        self.rate.restart();
+        self.liveness.restart();
     }
 }
 

@@ -224,8 +224,8 @@ mod tests {
     #[test]
     fn each_fault_has_its_value_with_its_sign() {
         let of = |fault| {
-            let own = BwWiring::from(Err(fault));
-            (own.fault, own.value)
+            let told = BwWiring::from(Err(fault));
+            (told.fault, told.value)
         };
         // Exchanged phases of a motor with seven pole pairs.
         assert_eq!(of(WiringFault::PolePairs { fits: -7 }), (BwWiringFault::PolePairs, -7.0));

@@ -55,8 +55,8 @@ fn what_does_not_come_any_more_is_told_once_with_the_reason() {
     assert_eq!(lapse(&told(always.clone(), always, 0..0, 39_000)), (1, BwCode::NoSegment, 249));
 }
 
-/// What the clock tells of a drive that concludes its segments with the sample that closes them, every `interval_ms` one;
-/// and the number of its reports.
+/// Steps a drive without a queue through samples of the standard rig, one every `interval_ms`. Gives the codes of the
+/// clock below 0 with their times, and the number of reports.
 fn told_at_once(model: &[u8], samples: usize, interval_ms: u32, limits: [f32; 3]) -> (Vec<(u32, BwCode)>, usize) {
     let mut memory = Memory::new();
     let state = memory.state(model).expect("a good model");
@@ -96,8 +96,8 @@ fn a_segment_of_block_means_has_its_whole_time_to_close() {
     assert_eq!(told_at_once(&bytes(&model), 17_000, 10, [0.0; 3]), (vec![], 2));
 }
 
-/// The codes of the clock below 0, of samples that come so often in a second for so many seconds; before each but the
-/// first there is a pause of five seconds, and a restart.
+/// Reads the clock while samples come at one rate after the other, in Hz, each for its seconds. A pause of five seconds
+/// and a restart stand between two rates. Gives the codes below 0.
 fn told_of_rates(rates: &[(u32, u32)]) -> Vec<BwCode> {
     let mut memory = Memory::new();
     let state = memory.state(FILE).expect("a good model");

@@ -58,8 +58,7 @@
 
 mod words;
 
-use super::contribution::Contribution;
-use super::growth::Growth;
+use super::growth::{Contribution, Growth};
 use super::runs::Runs;
 use super::silence::{Silence, SilenceLimits, Silent};
 use crate::decide::{Decision, Directions, Fall, UNMARKED};

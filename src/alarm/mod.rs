@@ -7,15 +7,13 @@
 //! growth          size of a defect, and time left
 //! ```
 
-mod contribution;
 pub(crate) mod evidence;
 mod growth;
 mod runs;
 mod silence;
 mod state_error;
 
-pub use contribution::Contribution;
-pub use growth::{Growth, Interval};
+pub use growth::{Contribution, Growth, Interval};
 pub use silence::{Silence, SilenceLimits};
 pub use state_error::StateError;
 

@@ -53,8 +53,7 @@
 
 mod scores;
 
-use super::contribution::Contribution;
-use super::growth::Growth;
+use super::growth::{Contribution, Growth};
 use crate::decide::{Direction, Directions, FeatureValue};
 use crate::logarithm::ln_of_level;
 use crate::plan::{Array, Cells, Plan};

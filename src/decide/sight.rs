@@ -11,11 +11,11 @@
 //! ```
 //!
 //! `r_i` is the reach of [`Rise`](super::Rise): the deviations to the limit of the gate, and from there to the value
-//! that nine of ten segments exceed. `D'_i` is the variance of the coordinate given those before it, with the errors of
-//! this segment, `m_i` the number of those before it, ν the degrees of freedom of the model's covariance. A friction that
-//! rises by the part x of its nominal value n raises all features that contain it, by c for q = p or the drag: a
-//! coordinate of which those before it tell the same shows the less of it. A logarithm rises by ln (1 + x). The sizes
-//! follow from the motion and the noise of the segment, not from the value that the coordinate has in it.
+//! that nine of ten segments exceed. `D'_i` is the variance of the coordinate given those before it, with the errors
+//! of this segment, `m_i` the number of those before it, ν the degrees of freedom of the model's covariance. A
+//! friction that rises by the part x of its nominal value n raises all features that contain it, by c for q = p or the
+//! drag: a coordinate of which those before it tell the same shows the less of it. A logarithm rises by ln (1 + x).
+//! The sizes follow from the motion and the noise of the segment, not from the value that the coordinate has in it.
 
 use super::classifier::Classifier;
 use super::features::{Estimates, Feature};
@@ -69,7 +69,7 @@ impl<P: Plan> Classifier<P> {
         good || !known
     }
 
-    /// The place of a coordinate's law: the rising coordinates are the last ones, and the first of them has the place 1.
+    /// The place of a coordinate's law. The rising coordinates are the last ones; their places begin at 1.
     fn place(&self, coordinate: usize, all: usize) -> usize {
         coordinate.wrapping_add(self.novelty.laws.cells().len()).wrapping_sub(all)
     }
@@ -100,11 +100,11 @@ impl<P: Plan> Classifier<P> {
     ) -> f32 {
         let (nominal, features) = (balance.nominal_of(term), self.features.cells());
         let slope = |feature: Feature| {
-            let own = feature.friction()?;
-            let rise = nominal * balance.rises_with(own, term);
+            let measured = feature.friction()?;
+            let rise = nominal * balance.rises_with(measured, term);
             Some(match feature {
-                Feature::LogFriction(_) => rise / balance.nominal_of(own),
-                Feature::FrictionScore(_) => rise / shaft.friction.of(own)?.deviation,
+                Feature::LogFriction(_) => rise / balance.nominal_of(measured),
+                Feature::FrictionScore(_) => rise / shaft.friction.of(measured)?.deviation,
                 _ => rise,
             })
         };
@@ -128,8 +128,8 @@ impl<P: Plan> Classifier<P> {
         if matches!(feature, Some(Feature::LogFriction(_))) { libm::expf(size) - 1.0 } else { size }
     }
 
-    /// The size of a defect that shifts coordinate k, of a feature of no friction with a weight, by so much; infinite if
-    /// none is known.
+    /// The size of a defect that shifts coordinate k, of a feature of no friction with a weight, by so much; infinite
+    /// if none is known.
     fn size(&self, k: usize, (feature, weight): (Feature, f32), shift: f32, (_, shaft, _): Estimates<'_, P>) -> f32 {
         let of_feature = (shift / weight).abs();
         let at = |list: &[f32], place: usize| list.get(place).copied().unwrap_or(0.0);

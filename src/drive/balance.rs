@@ -34,7 +34,7 @@ mod levels;
 mod vector;
 
 use super::Phase;
-use super::imbalance::Imbalance;
+use super::imbalance::{Alignment, Imbalance};
 use crate::signal::{Abc, Angle, SinCos};
 use levels::Levels;
 use vector::Vector;
@@ -58,37 +58,6 @@ impl BalanceLimits {
         let noise = self.noise_a > 0.0 && self.noise_a <= 1e6;
         let offset = self.offset_a >= 0.0 && self.offset_a <= 1e6;
         noise && offset && self.gain_tolerance >= 0.0 && self.gain_tolerance < 1.0 && self.window >= 16
-    }
-}
-
-/// Whether the currents turn with the rotor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Alignment {
-    /// No window has told yet: the shaft has not turned with a current.
-    #[default]
-    Undecided,
-    /// They do.
-    Aligned,
-    /// They do not.
-    Misaligned,
-    /// They are not checked: currents or motion are too small, or the drive gives a quadrature current of its own.
-    Unknown,
-}
-
-impl Alignment {
-    /// All, in the order of their numbers in the C interface.
-    pub const ALL: [Self; 4] = [Self::Undecided, Self::Aligned, Self::Misaligned, Self::Unknown];
-
-    /// What is known, in words.
-    #[must_use]
-    pub const fn message(self) -> &'static str {
-        match self {
-            Self::Undecided => "the check of the wiring has not decided yet",
-            Self::Aligned => "the currents turn with the rotor",
-            Self::Misaligned => "the currents do not turn with the rotor",
-            Self::Unknown => "the wiring is not checked",
-        }
     }
 }
 

@@ -34,3 +34,34 @@ pub enum Imbalance {
     /// are wrong, or there is no field-oriented control.
     Misaligned,
 }
+
+/// Whether the currents turn with the rotor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Alignment {
+    /// No window has told yet: the shaft has not turned with a current.
+    #[default]
+    Undecided,
+    /// They do.
+    Aligned,
+    /// They do not.
+    Misaligned,
+    /// They are not checked: currents or motion are too small, or the drive gives a quadrature current of its own.
+    Unknown,
+}
+
+impl Alignment {
+    /// All, in the order of their numbers in the C interface.
+    pub const ALL: [Self; 4] = [Self::Undecided, Self::Aligned, Self::Misaligned, Self::Unknown];
+
+    /// What is known, in words.
+    #[must_use]
+    pub const fn message(self) -> &'static str {
+        match self {
+            Self::Undecided => "the check of the wiring has not decided yet",
+            Self::Aligned => "the currents turn with the rotor",
+            Self::Misaligned => "the currents do not turn with the rotor",
+            Self::Unknown => "the wiring is not checked",
+        }
+    }
+}

@@ -32,12 +32,12 @@ mod tracking;
 mod wiring;
 
 pub use crate::signal::{Abc, AlphaBeta, BlockMean, Dq0, SinCos};
-pub use balance::{Alignment, BalanceLimits, CurrentBalance};
+pub use balance::{BalanceLimits, CurrentBalance};
 pub use calibration::{CalibrationError, CalibrationLimits, OffsetCalibration};
 pub use current::{CurrentSensors, Phase, PhaseCounts, PhaseFaults, PhaseSensor};
 pub use decimate::{By, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use front_end::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample};
-pub use imbalance::Imbalance;
+pub use imbalance::{Alignment, Imbalance};
 pub use position::{Position, Tracked};
 pub use resolver::{ResolverFaults, ResolverLimits};
 pub use rotor_frame::RotorFrame;

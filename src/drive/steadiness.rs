@@ -49,8 +49,8 @@ pub(super) struct Steadiness {
     limit_rad: f32,
     /// The last reading, bit for bit.
     reading: [u32; 2],
-    /// Bits of the readings of a converter that the loop followed: those set before the present comparison, those set and
-    /// clear in it, how far it is, and the stuck ones of the last.
+    /// Bits of the readings of a converter that the loop followed: those set before the present comparison, those set
+    /// and clear in it, how far it is, and the stuck ones of the last.
     bits: u32,
     set: u32,
     clear: u32,

@@ -57,10 +57,10 @@ impl<P: Plan, F> Watch<P, F> {
     /// samples does not make. Call it in the main loop, as often as you like.
     ///
     /// Returns why the drive is not watched as it should be, each reason once until it is right again: no sample, no
-    /// segment or no verdict has come for the times of [`LivenessLimits::of_segments`]; or samples come at another rate
-    /// than that of training over a window of ten seconds. While they do, no segment has a verdict
-    /// ([`Implausible::Rate`]), and what the first window has added to the alarm is taken out again. The times count from
-    /// the first call, and anew from the last reading of [`Watch::check_wiring`].
+    /// segment or no verdict has come for the times of [`LivenessLimits::of_segments`]; or samples come at another
+    /// rate than that of training over a window of ten seconds. While they do, no segment has a verdict
+    /// ([`Implausible::Rate`]), and what the first window has added to the alarm is taken out again. The times count
+    /// from the first call, and anew from the last reading of [`Watch::check_wiring`].
     #[must_use = "nothing else tells that the diagnosis has ended"]
     pub fn clock(&self, milliseconds: u32) -> Option<Lapse> {
         self.main.with(|main| self.compare(main, milliseconds)).flatten()

@@ -43,8 +43,8 @@ pub const BOUNDS: [Bound; 120] = [
     bound("half-band decimation, 3 channels, worst sample", Some(8), 205),
     bound("sin_cos + Clarke + Park", None, 60),
     // With the direction of the current vector, which needs no noise, offsets, levels and half waves of a phase, and
-    // readings of the angle that are stale, have slipped, or have a bit that is stuck: no plan without a load would find
-    // them otherwise.
+    // readings of the angle that are stale, have slipped, or have a bit that is stuck: no plan without a load would
+    // find them otherwise.
     bound("front end, converter, 2 currents, mean sample", Some(8), 535),
     bound("front end, converter, 2 currents, worst sample", Some(8), 730),
     bound("front end, converter, 2 currents, mean sample", Some(10), 516),

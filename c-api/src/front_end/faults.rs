@@ -239,21 +239,21 @@ mod tests {
         };
         let currents = [(11, 14), (12, 15), (13, 16)].map(|(saturated, stuck)| PhaseFaults { saturated, stuck });
         let faults = Faults { currents, position, unbalanced_windows: 17, gaps: 18, ..CLEAR };
-        let own = BwFrontEndFaults::from(faults);
-        let of_position = [own.position_missing, own.position_strayed, own.lock_losses, own.position_stale];
-        let of_readings = [own.position_slipped, own.position_unsteady, own.position_stuck_bits];
-        let of_resolver = [own.resolver_lost, own.resolver_too_high, own.resolver_mismatched];
+        let told = BwFrontEndFaults::from(faults);
+        let of_position = [told.position_missing, told.position_strayed, told.lock_losses, told.position_stale];
+        let of_readings = [told.position_slipped, told.position_unsteady, told.position_stuck_bits];
+        let of_resolver = [told.resolver_lost, told.resolver_too_high, told.resolver_mismatched];
         assert_eq!((of_position, of_readings, of_resolver), ([1, 2, 3, 4], [5, 6, 7], [8, 9, 10]));
-        assert_eq!((own.saturated, own.stuck), ([11, 12, 13], [14, 15, 16]));
-        assert_eq!((own.unbalanced_windows, own.gaps, own.clear), (17, 18, false));
+        assert_eq!((told.saturated, told.stuck), ([11, 12, 13], [14, 15, 16]));
+        assert_eq!((told.unbalanced_windows, told.gaps, told.clear), (17, 18, false));
         assert!(BwFrontEndFaults::from(CLEAR).clear);
     }
 
     #[test]
     fn an_imbalance_names_its_phase() {
         let of = |imbalance| {
-            let own = BwFrontEndFaults::from(Faults { imbalance: Some(imbalance), ..CLEAR });
-            (own.imbalance, own.imbalance_phase, own.gain_error)
+            let told = BwFrontEndFaults::from(Faults { imbalance: Some(imbalance), ..CLEAR });
+            (told.imbalance, told.imbalance_phase, told.gain_error)
         };
         for (place, phase) in (0..).zip(Phase::ALL) {
             assert_eq!(of(Imbalance::Open(phase)), (BwImbalance::Open, place, 0.0));

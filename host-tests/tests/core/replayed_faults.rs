@@ -31,8 +31,8 @@ fn recorded(rows: &[Motion]) -> Trace {
 #[test]
 fn a_replay_discards_and_withdraws_as_the_drive_does() {
     let rows = motions(&trace(DefectKind::Healthy, 77), 14);
-    let own = model(lag(0.7), true, SEGMENT as u32);
-    let embedded = Embedded::new(own.clone()).expect("known columns");
+    let rig_model = model(lag(0.7), true, SEGMENT as u32);
+    let embedded = Embedded::new(rig_model.clone()).expect("known columns");
     let recorded = recorded(&rows);
     // In the first and in the second half of a segment, twice in one, and at the first row of one.
     for found_late in [vec![], vec![1100], vec![1700], vec![2100, 2300], vec![3000]] {
@@ -40,7 +40,7 @@ fn a_replay_discards_and_withdraws_as_the_drive_does() {
         let mut stream = embedded.stream();
         let replayed: Vec<_> = stream.run(&recorded, false).into_iter().map(|(segment, _)| segment.reason).collect();
         // The drive: the report before is withdrawn where the detector says so.
-        let (mut detector, mut monitor) = (Detector::new(&own), Monitor::new(&own));
+        let (mut detector, mut monitor) = (Detector::new(&rig_model), Monitor::new(&rig_model));
         let mut reports: Vec<Option<Reason>> = Vec::new();
         for (k, row) in rows.iter().enumerate() {
             if found_late.contains(&k)
@@ -65,8 +65,8 @@ fn a_replay_discards_and_withdraws_as_the_drive_does() {
 
 #[test]
 fn a_replay_waits_for_the_wiring_once_a_run_and_a_record_by_itself_does_not() {
-    let own = model(lag(0.7), true, SEGMENT as u32);
-    let embedded = Embedded::new(own).expect("known columns");
+    let rig_model = model(lag(0.7), true, SEGMENT as u32);
+    let embedded = Embedded::new(rig_model).expect("known columns");
     let wiring = vec![(0, Alignment::Undecided), (SEGMENT + SEGMENT / 2, Alignment::Aligned)];
     let recorded = Trace { wiring, ..recorded(&motions(&trace(DefectKind::Healthy, 77), 14)) };
     let undecided = Some(Reason::Implausible(Implausible::WiringUndecided));

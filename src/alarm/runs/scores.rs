@@ -3,8 +3,7 @@
 //! Enters: y of each segment, and where a run ends. Leaves: T of each bet, what the direction contributes, and its
 //! growth. The numbers of equations are those of [`super`].
 
-use crate::alarm::contribution::Contribution;
-use crate::alarm::growth::{self, Course, Growth};
+use crate::alarm::growth::{self, Contribution, Course, Growth};
 use crate::decide::{Direction, FeatureValue};
 use crate::logarithm::cube_root;
 use crate::regression::factor::pairs;

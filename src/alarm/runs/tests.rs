@@ -217,7 +217,8 @@ fn a_denied_defect_is_never_learned_on_a_drive_of_any_age() {
     }
 }
 
-/// A defect that grows so slowly that no run has evidence against what was learned before it is learned up to 3.33 only.
+/// A defect that grows so slowly that no run has evidence against what was learned before it is learned up to 3.33
+/// only.
 #[test]
 fn a_denied_defect_that_grows_slowly_is_learned_up_to_its_limit() {
     let mut evidence = evidence_of(vec![DIRECTION], 1.645, 100);

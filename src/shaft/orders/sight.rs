@@ -13,12 +13,12 @@
 //! ```
 //!
 //! (1) is the score of [`super::slip`] as a function of the cube root of the prominence: a = 2/(9ν), u its usual mean,
-//! v its variance, b the uncertainty of the noise. ρ is the amplitude |A| of the defect over the deviation `σ_c` of the
-//! noise at the order. (3): blocks of a defect are A W with the phases of its angle, so that R(h, d) has `|A_h|²` V(d)
-//! W(h)²/W(1)². The harmonics of pulses of a tenth to half of a period have the powers q = 1, ½, ¼ of the first one.
-//! Pulses vary with load, slip and lubrication: four fifths of their power are taken as that which stays in phase. (4) is
-//! the mean of the cube root of a noncentral χ² (Abdel-Aty 1954). A record of more turns has larger V and W, and so
-//! shows a smaller defect; where the shaft hardly turned none does.
+//! v its variance, b the uncertainty of the noise. ρ is the amplitude |A| of the defect over the deviation `σ_c` of
+//! the noise at the order. (3): blocks of a defect are A W with the phases of its angle, so that R(h, d) has `|A_h|²`
+//! V(d) W(h)²/W(1)². The harmonics of pulses of a tenth to half of a period have the powers q = 1, ½, ¼ of the first
+//! one. Pulses vary with load, slip and lubrication: four fifths of their power are taken as that which stays in
+//! phase. (4) is the mean of the cube root of a noncentral χ² (Abdel-Aty 1954). A record of more turns has larger V
+//! and W, and so shows a smaller defect; where the shaft hardly turned none does.
 //!
 //! The score n that a defect needs contains what else differs between healthy segments: the model has it
 //! ([`TrackedOrder::needed_score`](super::blocks::TrackedOrder::needed_score)), by the gate of its classifier.

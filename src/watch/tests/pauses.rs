@@ -51,8 +51,8 @@ fn a_restart_drops_what_waits_and_what_was_lost() {
     assert!(reports == expected);
 }
 
-/// What the clock tells of samples that come at so many times the rate of the model for so many seconds; before each
-/// but the first there is a pause of five seconds, and a restart if there is to be one.
+/// Reads the clock while samples come at one rate after the other, in rates of the model, each for its seconds. With
+/// `pause`, a pause of five seconds and a restart stand between two rates.
 fn told(rates: &[(f64, f64)], pause: bool) -> (Vec<Lapse>, Vec<u32>) {
     let (watch, interval_ms) = (started(), 1e3 * f64::from(MODEL.constants().sampling.interval_s));
     let (mut stream, mut at_ms) = (samples(1.0), 0.0_f64);

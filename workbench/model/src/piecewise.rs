@@ -76,23 +76,9 @@ pub fn estimate(trace: &Trace, cutting: &Cutting) -> Result<Pieces, Error> {
     let runs = straight_runs(&trace.y, fundamental, cutting);
     let piece = |run: &std::ops::Range<usize>| {
         let cut = |x: &[f64]| x[run.clone()].to_vec();
-        let (y, u1, u2) = (cut(&trace.y), cut(&trace.u1), cut(&trace.u2));
+        let signals = [&trace.y, &trace.u1, &trace.u2].map(|x| cut(x));
         // A run that does not determine the model (for example, constant input) is skipped.
-        let estimate = least_squares(
-            &Trace {
-                id: trace.id.clone(),
-                y,
-                u1,
-                u2,
-                motion: None,
-                further: vec![],
-                found_late: vec![],
-                wiring: vec![],
-                ..*trace
-            },
-            STRUCTURE,
-        )
-        .ok()?;
+        let estimate = least_squares(&trace.with_signals(signals), STRUCTURE).ok()?;
         Some((run.clone(), [estimate.theta[0], estimate.theta[1], estimate.theta[2]]))
     };
     let (runs, theta): (Vec<_>, Vec<_>) = runs.iter().filter_map(piece).unzip();

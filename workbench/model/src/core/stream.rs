@@ -82,12 +82,14 @@ impl Stream<'_> {
     /// changed by a fault that is found later; the evidence is.
     pub fn take(&mut self, piece: &Trace) -> Vec<Judged> {
         let mut feed = self.model.feed(piece);
-        let mut segments = Vec::new();
+        let (mut segments, mut wiring) = (Vec::new(), piece.wiring.iter().peekable());
         for k in 0..piece.y.len() {
             if piece.found_late.binary_search(&k).is_ok() {
                 self.discard(segments.last_mut());
             }
-            piece.wiring.iter().filter(|(row, _)| *row == k).for_each(|(_, known)| self.tell(*known));
+            while let Some((_, known)) = wiring.next_if(|(row, _)| *row == k) {
+                self.tell(*known);
+            }
             self.taken += 1;
             if self.monitor.step(&mut self.detector, feed.at(k)).is_some() {
                 segments.extend(self.judged());

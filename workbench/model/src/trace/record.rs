@@ -74,6 +74,22 @@ pub struct Trace {
 }
 
 impl Trace {
+    /// Other signals of the regression with the same identity and interval, and nothing beside them.
+    #[must_use]
+    pub fn with_signals(&self, [y, u1, u2]: [Vec<f64>; 3]) -> Self {
+        Self {
+            id: self.id.clone(),
+            y,
+            u1,
+            u2,
+            motion: None,
+            further: vec![],
+            found_late: vec![],
+            wiring: vec![],
+            ..*self
+        }
+    }
+
     /// Its first rows, or all of a shorter one.
     #[must_use]
     pub fn first_rows(&self, rows: usize) -> Self {

@@ -205,18 +205,8 @@ fn without_gaps(traces: &[LabelledTrace]) -> Cow<'_, [LabelledTrace]> {
         return Cow::Borrowed(traces);
     }
     let each = |own: &LabelledTrace| {
-        let [y, u1, u2] = [&own.trace.y, &own.trace.u1, &own.trace.u2].map(|signal| bridged(signal));
-        let trace = Trace {
-            id: own.trace.id.clone(),
-            y,
-            u1,
-            u2,
-            motion: None,
-            further: vec![],
-            found_late: vec![],
-            wiring: vec![],
-            ..own.trace
-        };
+        let signals = [&own.trace.y, &own.trace.u1, &own.trace.u2].map(|signal| bridged(signal));
+        let trace = own.trace.with_signals(signals);
         LabelledTrace { trace, class: own.class }
     };
     traces.par_iter().map(each).collect::<Vec<_>>().into()

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! m and D are mean and variance of the order's score given the coordinates before it, r the reach of the gate, k the
-//! acceptable multiple ([`super::Alarms::acceptable`]). (2) holds for the amplitude, which grows with the noise, and for
-//! the amplitude over the deviation of the noise, which the motion alone determines. By the quantile a set whose motions
-//! differ much leaves no more than one in fifty of its own segments without a verdict.
+//! acceptable multiple ([`super::Alarms::acceptable`]). (2) holds for the amplitude, which grows with the noise, and
+//! for the amplitude over the deviation of the noise, which the motion alone determines. By the quantile a set whose
+//! motions differ much leaves no more than one in fifty of its own segments without a verdict.
 
 use bearing_watch::model::Feature;
 use bearing_watch::shaft::OrderStrength;
@@ -63,8 +63,8 @@ impl Estimates<'_> {
             return Ok(sight);
         }
         let estimator = core_features::estimator(&sight.parts(&self.parts), self.segment)?;
-        let own: Vec<&LabelledTrace> = self.traces.iter().filter(|own| own.class == healthy).collect();
-        let some: Vec<_> = own.iter().step_by(own.len().div_ceil(MOST_TRACES).max(1)).collect();
+        let healthy_traces: Vec<&LabelledTrace> = self.traces.iter().filter(|own| own.class == healthy).collect();
+        let some: Vec<_> = healthy_traces.iter().step_by(healthy_traces.len().div_ceil(MOST_TRACES).max(1)).collect();
         let segments: Vec<_> = some.par_iter().flat_map(|own| estimator.run(&own.trace)).collect();
         let acceptable = trained.recipe.alarms.acceptable;
         for own in &mut sight.orders {

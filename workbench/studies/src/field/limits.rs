@@ -14,7 +14,7 @@ use super::default;
 use super::recipe::has_load_sensor;
 use super::render::percent;
 use super::rows::Row;
-use super::tally::Tally;
+use super::tally::{Tally, rate};
 use crate::campaign::render::grid;
 use crate::campaign::run::{class_names, labelled, traces};
 use crate::campaign::{Cell, Recording, map_traces};
@@ -70,8 +70,8 @@ pub fn amplitude_a(severity: f64) -> f64 {
 #[must_use]
 pub fn stated(model: &Embedded, segment: &SegmentReport, names: &[&str]) -> Option<f64> {
     let all = model.coordinate_names(&["outer", "inner", "ball", "cage"].map(String::from));
-    let own = segment.smallest.iter().filter(|(k, _)| names.contains(&all[usize::from(*k)].as_str()));
-    own.map(|(_, size)| f64::from(*size)).reduce(f64::min)
+    let named = segment.smallest.iter().filter(|(k, _)| names.contains(&all[usize::from(*k)].as_str()));
+    named.map(|(_, size)| f64::from(*size)).reduce(f64::min)
 }
 
 /// The gate of a row, and the size of a defect for a stated limit.
@@ -126,13 +126,13 @@ impl Bench {
             sizes.dedup();
             for severity in sizes.into_iter().filter(|size| (SMALLEST..=LARGEST).contains(size)) {
                 let defect = Defect { kind: kind.0, severity };
-                let found = self.judged(defect, RECORDS[2], |segment| {
+                let near_limit = self.judged(defect, RECORDS[2], |segment| {
                     let ratio = severity / (part * self.severity(segment, kind)?);
                     let is_near = ratio < NEAR && ratio * NEAR > 1.0;
                     is_near.then_some(matches!(segment.verdict, Ok(verdict) if verdict != Finding::Class(0)))
                 })?;
-                near += found.iter().flatten().count();
-                called += found.iter().flatten().filter(|called| **called).count();
+                near += near_limit.iter().flatten().count();
+                called += near_limit.iter().flatten().filter(|called| **called).count();
             }
             Ok(Rate::wilson(called, near))
         };
@@ -155,15 +155,15 @@ pub fn limits(row: &Row, draw: u32) -> Result<Limits, Error> {
         let known = |_: &Vec<f64>| k == 0 || has_load_sensor(&row.judged);
         stated.filter(known).map(|limits| bench.kind(KINDS[k], limits)).transpose()
     };
-    Ok(Limits { row: *row, undetermined: super::tally::rate(&[undetermined]), kinds: [of(0)?, of(1)?] })
+    Ok(Limits { row: *row, undetermined: rate(&[undetermined]), kinds: [of(0)?, of(1)?] })
 }
 
 /// The table as text.
 #[must_use]
 pub fn text(all: &[Limits]) -> String {
     let title = format!(
-        "Defects as large as the limit that their own record states, called, % [95 % interval]; default recipe, {} healthy \
-         records",
+        "Defects as large as the limit that their own record states, called, % [95 % interval]; default recipe, \
+         {} healthy records",
         RECORDS[0]
     );
     let head = [

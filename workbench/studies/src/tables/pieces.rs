@@ -146,23 +146,8 @@ impl Cut {
 fn literal_runs(trace: &Trace, pieces: &Pieces) -> Vec<[f64; 3]> {
     let of = |run: &std::ops::Range<usize>| {
         let cut = |x: &[f64]| x[run.clone()].to_vec();
-        let (y, u1, u2) = (cut(&trace.y), cut(&trace.u1), cut(&trace.u2));
-        let theta = iv4(
-            &Trace {
-                id: trace.id.clone(),
-                y,
-                u1,
-                u2,
-                motion: None,
-                further: vec![],
-                found_late: vec![],
-                wiring: vec![],
-                ..*trace
-            },
-            STRUCTURE,
-        )
-        .ok()?
-        .theta;
+        let signals = [&trace.y, &trace.u1, &trace.u2].map(|x| cut(x));
+        let theta = iv4(&trace.with_signals(signals), STRUCTURE).ok()?.theta;
         Some([theta[0], theta[1], theta[2]])
     };
     pieces.runs.iter().filter_map(of).collect()
