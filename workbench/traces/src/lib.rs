@@ -19,6 +19,7 @@
 //! | [`front_end`] | recordings at the control rate → clean samples |
 //! | [`units`] | units, by the names of columns |
 //! | `temperature` | temperatures, by the names of columns |
+//! | `turning` | the units of angle and velocity, by names and by values |
 //! | [`resample`] | irregular times → a constant rate |
 //! | [`given`] | labels, front end and traces that settings name |
 //! | [`audit`] | what recordings are worth |
@@ -41,6 +42,7 @@ pub mod table;
 mod table_header;
 mod temperature;
 mod time;
+mod turning;
 pub mod units;
 
 use std::collections::HashMap;

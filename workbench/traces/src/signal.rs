@@ -6,15 +6,22 @@
 //! iq1_A + iq2_A                 a sum
 //! 0.5*(a + b), force/1000       multiples
 //! speed_rpm rad/s               another unit than the one at the end of the column's name
+//! position[turn]                the unit of a column whose name has none, or another one
 //! integrate(speed_rpm) rad      the integral over time, from 0 at the first sample on
+//! unwrap(theta_e[rad])/7        an angle without its jumps by whole turns: of an electrical one over the pole pairs
 //! ```
+//!
+//! A question mark in the place of a unit or a number, as `init` writes it, is an error that repeats the question. The
+//! signals of a shaft are converted to rad, rad/s and A by their units.
 //!
 //! A value is missing where one of its columns is. An integral goes on behind missing values with the mean of those at
 //! both sides of them, as between any two samples.
 
 use std::collections::BTreeMap;
 
-use crate::units::{Unit, known};
+use std::f64::consts::TAU;
+
+use crate::units::{Quantity, Unit, known, stated};
 
 /// The time from one row to another, s.
 pub(super) type Elapsed<'a> = &'a dyn Fn(usize, usize) -> f64;
@@ -28,6 +35,29 @@ pub(super) enum Signal {
     Scaled(f64, f64, Box<Self>),
     Sum(Box<Self>, Box<Self>),
     Integral(Box<Self>),
+    /// Without jumps by whole multiples of a period.
+    Unwrapped(f64, Box<Self>),
+}
+
+/// A signal of a shaft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Current,
+    Angle,
+    Velocity,
+    Load,
+}
+
+impl Role {
+    /// What it may be, in whose base unit it is taken.
+    const fn quantities(self) -> &'static [Quantity] {
+        match self {
+            Self::Current => &[Quantity::Current],
+            Self::Angle => &[Quantity::Angle],
+            Self::Velocity => &[Quantity::AngularVelocity],
+            Self::Load => &[Quantity::Torque, Quantity::Force],
+        }
+    }
 }
 
 impl Signal {
@@ -36,12 +66,33 @@ impl Signal {
     /// # Errors
     /// What is wrong, for a message.
     pub(super) fn parse(text: &str, names: &[String]) -> Result<Self, String> {
-        if let Some(place) = place(names, text.trim()) {
-            return Ok(Self::Column(place));
+        Ok(Self::with_unit(text, names)?.0)
+    }
+
+    /// Parses a signal of a shaft; one in another unit than its base unit is converted.
+    ///
+    /// # Errors
+    /// What is wrong, for a message; a unit in brackets of another quantity.
+    pub(super) fn of_role(text: &str, names: &[String], role: Role) -> Result<Self, String> {
+        let (signal, unit) = Self::with_unit(text, names)?;
+        let Some(unit) = unit else { return Ok(signal) };
+        if role.quantities().contains(&unit.quantity) {
+            let (factor, offset) = unit.to_base();
+            let is_base = (factor, offset) == (1.0, 0.0);
+            return Ok(if is_base { signal } else { Self::Scaled(factor, offset, Box::new(signal)) });
         }
-        let mut parser = Parser { text, rest: text, names };
-        let (signal, _) = parser.whole(true)?;
-        Ok(signal)
+        // A single letter at the end of a name need not be a unit.
+        match stated(text) {
+            Some(unit) => Err(format!("channel {text}: {unit} is no unit of the {role:?}").to_lowercase()),
+            None => Ok(signal),
+        }
+    }
+
+    fn with_unit(text: &str, names: &[String]) -> Result<Found, String> {
+        if let Some(place) = place(names, text.trim()) {
+            return Ok((Self::Column(place), Unit::of_column(text)));
+        }
+        Parser { text, rest: text, names }.whole(true)
     }
 
     /// The places of its columns.
@@ -49,7 +100,7 @@ impl Signal {
         match self {
             Self::Column(place) => found.push(*place),
             Self::Constant(_) => {}
-            Self::Scaled(_, _, own) | Self::Integral(own) => own.columns(found),
+            Self::Scaled(_, _, own) | Self::Integral(own) | Self::Unwrapped(_, own) => own.columns(found),
             Self::Sum(one, other) => {
                 one.columns(found);
                 other.columns(found);
@@ -62,7 +113,7 @@ impl Signal {
         match self {
             Self::Column(_) | Self::Constant(_) => false,
             Self::Integral(_) => true,
-            Self::Scaled(_, _, own) => own.integrates(),
+            Self::Scaled(_, _, own) | Self::Unwrapped(_, own) => own.integrates(),
             Self::Sum(one, other) => one.integrates() || other.integrates(),
         }
     }
@@ -74,12 +125,18 @@ impl Signal {
             Self::Constant(value) => Self::Constant(*value),
             Self::Scaled(factor, offset, own) => Self::Scaled(*factor, *offset, Box::new(own.at(place))),
             Self::Integral(own) => Self::Integral(Box::new(own.at(place))),
+            Self::Unwrapped(period, own) => Self::Unwrapped(*period, Box::new(own.at(place))),
             Self::Sum(one, other) => Self::Sum(Box::new(one.at(place)), Box::new(other.at(place))),
         }
     }
 
     /// The values, `rows` of them, by the columns and the time from one row to another one. A missing value is NaN.
-    fn values<'c>(&self, rows: usize, column: &dyn Fn(usize) -> &'c [f64], elapsed_s: Elapsed<'_>) -> Vec<f64> {
+    pub(super) fn values<'c>(
+        &self,
+        rows: usize,
+        column: &dyn Fn(usize) -> &'c [f64],
+        elapsed_s: Elapsed<'_>,
+    ) -> Vec<f64> {
         match self {
             Self::Column(place) => column(*place).to_vec(),
             Self::Constant(value) => vec![*value; rows],
@@ -105,6 +162,18 @@ impl Signal {
                     sum
                 };
                 (0..own.len()).map(each).collect()
+            }
+            Self::Unwrapped(period, own) => {
+                let (mut turns, mut last) = (0.0, f64::NAN);
+                let each = |value: f64| {
+                    let jump = ((value - last) / period).round();
+                    if value.is_finite() {
+                        last = value;
+                    }
+                    turns -= if jump.is_finite() { jump } else { 0.0 };
+                    value + turns * period
+                };
+                own.values(rows, column, elapsed_s).into_iter().map(each).collect()
             }
         }
     }
@@ -164,6 +233,14 @@ struct Parser<'a> {
 }
 
 type Found = (Signal, Option<Unit>);
+
+/// What opens a bracket, and what is made of its content.
+type Bracket = (&'static str, fn(&Parser<'_>, Found) -> Result<Found, String>);
+const BRACKETS: [Bracket; 3] = [
+    ("integrate(", |_, (signal, unit)| Ok((Signal::Integral(Box::new(signal)), unit.and_then(|unit| unit.integral())))),
+    ("unwrap(", |parser, content| parser.unwrapped(content)),
+    ("(", |_, content| Ok(content)),
+];
 
 impl Parser<'_> {
     fn wrong(&self, problem: &str) -> String {
@@ -234,6 +311,10 @@ impl Parser<'_> {
             } else {
                 return Ok((signal, unit));
             };
+            self.skip();
+            if self.rest.starts_with('?') {
+                return Err(self.wrong("the number is a question: write the pole pairs of the motor in the place of ?"));
+            }
             let (other, other_unit) = self.factor()?;
             (signal, unit) = match (signal, other) {
                 (one, Signal::Constant(value)) if divide => (scaled(1.0 / value, one), unit.filter(|_| value == 1.0)),
@@ -250,20 +331,17 @@ impl Parser<'_> {
             let (name, rest) = self.rest.split_at(length);
             self.rest = rest;
             let place = place(self.names, name).unwrap_or(0);
-            return Ok((Signal::Column(place), Unit::of_column(name)));
+            let unit = self.stated()?.or_else(|| Unit::of_column(name));
+            return Ok((Signal::Column(place), unit));
         }
-        for (start, integral) in [("integrate(", true), ("(", false)] {
+        for (start, of) in BRACKETS {
             let Some(rest) = self.rest.strip_prefix(start) else { continue };
             self.rest = rest;
-            let (signal, unit) = self.whole(false)?;
+            let whole = self.whole(false)?;
             if !self.take(')') {
                 return Err(self.wrong("a bracket is not closed"));
             }
-            let found = if integral {
-                (Signal::Integral(Box::new(signal)), unit.and_then(|unit| unit.integral()))
-            } else {
-                (signal, unit)
-            };
+            let found = of(self, whole)?;
             let Some(length) = self.unit() else { return Ok(found) };
             let (name, rest) = self.rest.split_at(length);
             self.rest = rest;
@@ -278,6 +356,27 @@ impl Parser<'_> {
         let end = self.rest.find([' ', '+', '*', ')', '(']).unwrap_or(self.rest.len());
         let word = &self.rest[..end];
         Err(missing(if word.is_empty() || self.text.contains('-') { self.text } else { word }, self.names))
+    }
+
+    /// The unit that is stated in brackets behind a column.
+    fn stated(&mut self) -> Result<Option<Unit>, String> {
+        let Some((name, rest)) = self.rest.strip_prefix('[').and_then(|rest| rest.split_once(']')) else {
+            return Ok(None);
+        };
+        if name.contains('?') {
+            return Err(self.wrong("the unit is a question: write it in the place of ?, such as [rad], [turn], [rpm]"));
+        }
+        let unit =
+            Unit::named(name).ok_or_else(|| self.wrong(&format!("\"{name}\" is no unit; there are {}", known())))?;
+        self.rest = rest;
+        Ok(Some(unit))
+    }
+
+    /// Without jumps by whole turns.
+    fn unwrapped(&self, (signal, unit): Found) -> Result<Found, String> {
+        let unit = unit.filter(|unit| unit.quantity == Quantity::Angle);
+        let unit = unit.ok_or_else(|| self.wrong("unwrap takes an angle with its unit, such as unwrap(theta[rad])"))?;
+        Ok((Signal::Unwrapped(TAU / unit.to_base().0, Box::new(signal)), Some(unit)))
     }
 
     /// Length of the unit behind a bracket.
@@ -341,6 +440,10 @@ mod tests {
             ("(speed_rpm)rad/s - 2*(speed_rpm) rad/s", [-0.209_439_510_239_319_53, -2.094_395_102_393_195_3]),
             ("speed_rpm rad/s", [0.209_439_510_239_319_53, 2.094_395_102_393_195_3]),
             ("integrate(speed_rpm) turn", [0.0, 11.0 / 120.0]),
+            ("i[mA] A", [0.001, 0.01]),
+            ("load[turn] deg", [1440.0, 14_400.0]),
+            ("unwrap(load[deg])/2", [2.0, 20.0]),
+            ("unwrap((load[turn]) deg)", [1440.0, 1440.0]),
         ] {
             let found = value(text).expect(text);
             let near = found.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12);
@@ -384,6 +487,10 @@ mod tests {
             ("speed_rpm Nm", "the column cannot be in Nm"),
             ("speed_rpm rqm", "\"rqm\" is no unit"),
             ("(speed_rpm rad/s) - speed_rpm", "different units"),
+            ("load[?]", "the unit is a question"),
+            ("unwrap(load[rad])/?", "the number is a question: write the pole pairs"),
+            ("load[foo]", "\"foo\" is no unit"),
+            ("unwrap(load)", "unwrap takes an angle with its unit"),
             // A letter at the end of a name need not be a unit.
             ("speed_rpm + iq1_A", ""),
         ] {
@@ -403,6 +510,41 @@ mod tests {
         // Trapezia: 2 · 0.1, 4 · 0.2, 5 · 0.4.
         let near = found.iter().zip([0.0, 0.2, 1.0, 3.0]).all(|(one, other)| (one - other).abs() < 1e-12); // rounding
         assert!(near, "{found:?}");
+    }
+
+    #[test]
+    fn signals_of_a_shaft_are_in_base_units() {
+        let names = ["position", "theta_deg", "speed_rpm", "iq_mA", "i_s", "v [mm/s]"].map(String::from);
+        let of = |text: &str, role: Role| {
+            Signal::of_role(text, &names, role).map(|signal| signal.values(1, &|_| &[60.0], &|_, _| 1.0)[0])
+        };
+        for (text, role, expected) in [
+            ("position", Role::Angle, 60.0),
+            ("position[turn]", Role::Angle, 60.0 * TAU),
+            ("theta_deg", Role::Angle, TAU / 6.0),
+            ("theta_deg rad", Role::Angle, TAU / 6.0),
+            ("speed_rpm", Role::Velocity, TAU),
+            ("(speed_rpm)rad/s", Role::Velocity, TAU),
+            ("iq_mA", Role::Current, 0.06),
+            // Of a stator, not in seconds.
+            ("i_s", Role::Current, 60.0),
+        ] {
+            let value = of(text, role).expect(text);
+            assert!((value / expected - 1.0).abs() < 1e-12, "{text}: {value} for {expected}"); // rounding
+        }
+        let refused = of("v [mm/s]", Role::Velocity).expect_err("a length by time");
+        assert!(refused.contains("mm/s is no unit of the velocity"), "{refused}");
+    }
+
+    #[test]
+    fn an_angle_goes_on_over_its_wraps_and_missing_values() {
+        let names = ["theta".to_string()];
+        let column = [350.0, f64::NAN, 10.0, 170.0, 340.0, 5.0];
+        let signal = Signal::parse("unwrap(theta[deg])/5", &names).expect("a channel");
+        let values = signal.values(6, &|_| &column, &|_, _| 1.0);
+        let expected = [70.0, f64::NAN, 74.0, 106.0, 140.0, 145.0];
+        let near = |(one, other): (&f64, &f64)| (one - other).abs() < 1e-9 || one.is_nan() && other.is_nan(); // rounding
+        assert!(values.iter().zip(&expected).all(near), "{values:?}");
     }
 
     #[test]

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 
 use crate::assemble::NO_TIME;
-use crate::signal::Signal;
+use crate::signal::{Role, Signal};
 use crate::table::time_name::{seconds, usual};
 use crate::table::{About, Table};
 use model::Error;
-use model::trace::{Channels, stem};
+use model::trace::{Channels, ShaftChannels, stem};
 
 /// The names of the columns.
 pub(super) struct Header {
@@ -86,8 +86,22 @@ impl Header {
         if self.names.iter().all(String::is_empty) {
             return Err("the file is empty".into());
         }
-        channels.in_order().into_iter().map(|channel| Signal::parse(channel, &self.names)).collect()
+        let all = channels.in_order();
+        let of_shaft = channels.shaft.as_ref().map_or_else(Vec::new, roles);
+        let first = all.len() - of_shaft.len();
+        let parsed = all.into_iter().enumerate().map(|(k, channel)| match k.checked_sub(first) {
+            Some(place) => Signal::of_role(channel, &self.names, of_shaft[place]),
+            None => Signal::parse(channel, &self.names),
+        });
+        parsed.collect()
     }
+}
+
+/// What the channels of a shaft are, in their order.
+fn roles(ShaftChannels { velocity, load, reference, .. }: &ShaftChannels) -> Vec<Role> {
+    let further = [(velocity, Role::Velocity), (load, Role::Load), (reference, Role::Velocity)];
+    let given = further.into_iter().filter(|(channel, _)| channel.is_some()).map(|(_, role)| role);
+    [Role::Current, Role::Angle].into_iter().chain(given).collect()
 }
 
 /// The header of a table.

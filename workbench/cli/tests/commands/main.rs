@@ -38,6 +38,7 @@ mod tables_command;
 mod temperature_commands;
 mod train_methods;
 mod training_worth;
+mod units_commands;
 mod validate_command;
 mod velocity_commands;
 mod view_command;

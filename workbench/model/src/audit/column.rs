@@ -1,5 +1,6 @@
 //! A column by itself: its step, and whether it is held, saturated or constant.
 
+use super::codes::{outside, unsigned};
 use super::held::{held, told};
 use super::step::{finite, least_difference};
 use crate::statistics::mean_sd;
@@ -36,6 +37,8 @@ pub struct Column {
     pub saturated: f64,
     /// Rows with values far outside of all others, as of an error code: the first one, and how many there are.
     pub outside: Option<(usize, usize)>,
+    /// The number of values of the type of which this column is a signed one without its sign.
+    pub unsigned: Option<f64>,
     /// Part of the rows without a number; the others are those that all else is about.
     pub missing: f64,
 }
@@ -48,7 +51,8 @@ impl Column {
         let missing = (x.len() - measured.len()) as f64 / x.len().max(1) as f64;
         let mut sorted = measured.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);
-        Self { missing, outside: outside(x, &sorted), ..Self::of_measured(&measured, &sorted) }
+        let (outside, unsigned) = (outside(x, &sorted), unsigned(&sorted));
+        Self { missing, outside, unsigned, ..Self::of_measured(&measured, &sorted) }
     }
 
     fn of_measured(x: &[f64], sorted: &[f64]) -> Self {
@@ -76,6 +80,7 @@ impl Column {
             held: if is_fine { part(held) } else { 0.0 },
             saturated: if is_fine { saturated } else { 0.0 },
             outside: None,
+            unsigned: None,
             missing: 0.0,
         }
     }
@@ -93,6 +98,12 @@ impl Column {
             let rows = if count == 1 { "row".to_string() } else { format!("{count} rows, the first") };
             let what = "far outside of all others: an error code? write nan there";
             found.push(format!("{value} in {rows} {}, {what}", first + 1));
+        }
+        if let Some(values) = self.unsigned {
+            let half = 0.5 * values;
+            found.push(format!(
+                "near 0 and near {values} only: signed numbers without their sign; take {values} from those above {half}"
+            ));
         }
         if self.deviation == 0.0 {
             found.push("constant".into());
@@ -113,22 +124,6 @@ impl Column {
         }
         found
     }
-}
-
-/// The first row far outside of all others, and how many are; the values are sorted beside them.
-fn outside(x: &[f64], sorted: &[f64]) -> Option<(usize, usize)> {
-    /// Widths of all values but the outermost hundredth, and the largest part of the rows.
-    const WIDTHS: f64 = 20.0;
-    const RARE: f64 = 0.01;
-    if sorted.len() < 100 {
-        return None;
-    }
-    let at = |part: f64| sorted[((sorted.len() - 1) as f64 * part) as usize];
-    let (low, high) = (at(0.5 * RARE), at(1.0 - 0.5 * RARE));
-    let width = high - low;
-    let is_outside = |x: &f64| width > 0.0 && (*x > high + WIDTHS * width || *x < low - WIDTHS * width);
-    let first = x.iter().position(is_outside)?;
-    Some((first, x.iter().filter(|x| is_outside(x)).count()))
 }
 
 #[cfg(test)]

@@ -4,12 +4,14 @@
 pub mod angle;
 pub mod bits;
 mod clipped;
+mod codes;
 pub mod column;
 pub mod friction;
 pub mod held;
 pub mod orders;
 pub mod pairs;
 mod phases;
+pub mod scale;
 pub mod sessions;
 pub mod step;
 pub mod sums;

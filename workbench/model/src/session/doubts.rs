@@ -1,8 +1,12 @@
 //! What is doubtful about traces.
 
+use std::f64::consts::TAU;
+
 use crate::Error;
 use crate::audit::angle::velocity_ratio;
+use crate::audit::column::Column;
 use crate::audit::held::{held, too_slow};
+use crate::audit::scale::{slope_by_velocity, wraps_at};
 use crate::trace::{Channels, Trace, is_reference};
 
 /// Returns an error if samples of a trace are missing: batch methods that filter or simulate signals need all of them.
@@ -63,6 +67,64 @@ pub fn contradictory<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) -> Opt
         "{count} of {all} traces have a velocity that is not the slope of the angle, first {first} with {ratio:.4} times \
          it: another unit or gain, or a wrong rate; a segment with such a velocity has no verdict"
     ))
+}
+
+/// Returns an error if the angle of most traces is in another unit, or of another shaft, than their velocity says, or
+/// begins anew elsewhere than after whole turns.
+///
+/// # Errors
+/// It is.
+pub fn refuse_scale<'a>(traces: impl Iterator<Item = &'a Trace>) -> Result<(), Error> {
+    /// Differences of the ratio from 1 that are no error of a gain, and of a turn from a whole one.
+    const OFF: [f64; 2] = [0.5, 0.05];
+    let (mut count, mut first): (usize, Option<(&str, String)>) = (0, None);
+    let mut all = 0;
+    for trace in traces {
+        let Some(motion) = &trace.motion else { continue };
+        all += 1;
+        let rate_hz = trace.interval_s.map_or(f64::NAN, |interval_s| 1.0 / interval_s);
+        let period = wraps_at(&motion.angle_rad);
+        let turns = period.map_or(1.0, |period| period / TAU);
+        let is_whole = turns > OFF[0] && (turns / turns.round() - 1.0).abs() < OFF[1];
+        let times = slope_by_velocity(&motion.angle_rad, &motion.velocity_rad_s, rate_hz, period);
+        let problem = match times.filter(|times| !(OFF[0]..1.0 / OFF[0]).contains(times)) {
+            Some(times) if times < 0.0 => {
+                format!("the angle turns {times:.4} times as far as the velocity says: the sign")
+            }
+            Some(times) => format!("the angle turns {times:.4} times as far as the velocity says"),
+            None if !is_whole => format!("the angle begins anew at {:.4} rad, which is no turn", period.unwrap_or(0.0)),
+            None => continue,
+        };
+        count += 1;
+        first = first.or(Some((trace.id.as_str(), problem)));
+    }
+    match first.filter(|_| 2 * count > all) {
+        Some((id, problem)) => Err(Error::trace(
+            id,
+            format!(
+                "{problem} ({count} of {all} traces). Another unit, an electrical angle, or a gear? Write the unit behind \
+                 the column, such as position[turn], or unwrap(theta_e[rad])/7 for 7 pole pairs"
+            ),
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Warns of values of the shaft that are no measurements.
+pub fn codes<'a>(traces: impl Iterator<Item = &'a Trace>) -> Option<String> {
+    let of_trace = |trace: &'a Trace| {
+        let motion = trace.motion.as_ref()?;
+        let signals = [("current", &motion.current_a), ("velocity", &motion.velocity_rad_s), ("load", &motion.load_nm)];
+        let told = |(name, x): (&str, &Vec<f64>)| {
+            let column = Column::of(x);
+            let is_code = column.outside.is_some() || column.unsigned.is_some();
+            is_code.then(|| column.findings(None).into_iter().next())?.map(|what| format!("{name}: {what}"))
+        };
+        Some((trace.id.as_str(), signals.into_iter().find_map(told)?))
+    };
+    let found: Vec<(&str, String)> = traces.filter_map(of_trace).collect();
+    let (first, what) = found.first()?;
+    Some(format!("{} traces have values that are no measurements, first {first}: {what}", found.len()))
 }
 
 /// Whether more than 2 % of the steps are off by a tenth.

@@ -30,7 +30,9 @@ mod training_session;
 mod training_traces;
 mod words;
 
-pub use doubts::{contradictory, irregular, is_irregular, of_irregular, refuse_gaps, refuse_held, refused};
+pub use doubts::{
+    codes, contradictory, irregular, is_irregular, of_irregular, refuse_gaps, refuse_held, refuse_scale, refused,
+};
 pub use evaluation::{Evaluation, Judging, JudgingOptions};
 pub use found::Findings;
 pub use given::{Given, Piece, TemperatureColumn, TraceSource};

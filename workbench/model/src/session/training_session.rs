@@ -7,7 +7,7 @@ use bearing_watch::model::MAX_BLOCK_MEAN;
 use super::chosen;
 use super::contents::content;
 use super::description;
-use super::doubts::{contradictory, irregular, refuse_held, refused};
+use super::doubts::{codes, contradictory, irregular, refuse_held, refuse_scale, refused};
 use super::evidence::Orders;
 use super::given::{Given, TemperatureColumn};
 use super::held_out::{Found, Held, evaluate};
@@ -67,7 +67,9 @@ impl Session {
         let traces = traces.map_or_else(|| self.traces(&taken), Ok)?;
         log.warn(irregular(traces.training.iter().map(|t| &t.trace)));
         log.warn(refused(traces.training.iter().map(|t| &t.trace)));
+        refuse_scale(traces.training.iter().map(|t| &t.trace))?;
         log.warn(contradictory(traces.training.iter().map(|t| &t.trace)));
+        log.warn(codes(traces.training.iter().map(|t| &t.trace)));
         traces.training.iter().try_for_each(|t| refuse_held(&t.trace, &traces.recipe.columns))?;
         let mut training = self.trained(traces)?;
         let without = training.trained.automatic.as_ref().and_then(Automatic::without_covariates);

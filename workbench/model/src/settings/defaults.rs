@@ -19,6 +19,10 @@ impl Settings {
         own.u2 = own.u2.take().or_else(|| own.load.clone());
         let order = if own.u2.is_some() { ORDER } else { ORDER_OF_ONE };
         self.model.order = self.model.order.or(Some(Order(order)));
+        // An output without an input is described by its own past: no order of it reads the first input.
+        if self.model.order.as_ref().is_some_and(|Order(order)| order.nb == 0) {
+            own.u1 = own.u1.take().or_else(|| own.y.clone());
+        }
         self
     }
 }

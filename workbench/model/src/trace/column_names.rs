@@ -1,7 +1,22 @@
 //! What the names of columns say.
 
 /// Parts of names of what is wanted rather than measured.
-const REFERENCE: [&str; 7] = ["ref", "cmd", "command", "set", "target", "setpoint", "desired"];
+const REFERENCE: [&str; 12] = [
+    "ref",
+    "reference",
+    "cmd",
+    "command",
+    "commanded",
+    "demand",
+    "set",
+    "target",
+    "setpoint",
+    "desired",
+    "sollwert",
+    "consigne",
+];
+/// How words of wanted values begin in German, and what they have in Japanese and Chinese.
+const WANTED: [&str; 5] = ["soll", "指令", "目標", "目标", "给定"];
 
 /// Words of a name, in lower case.
 #[must_use]
@@ -29,5 +44,7 @@ pub fn words(name: &str) -> Vec<String> {
 /// Whether the name is that of a wanted value rather than a measured one.
 #[must_use]
 pub fn is_reference(name: &str) -> bool {
-    words(name).iter().any(|word| REFERENCE.contains(&word.as_str()))
+    let is_wanted =
+        |word: &str| WANTED.iter().any(|own| word.starts_with(own) || !own.is_ascii() && word.contains(own));
+    words(name).iter().any(|word| REFERENCE.contains(&word.as_str()) || is_wanted(word))
 }

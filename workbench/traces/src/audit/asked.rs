@@ -19,7 +19,7 @@ pub const USE: Use = Use {
     keys: &[
         &["traces", "labels", "where", "healthy", "false_alarm"],
         TIMES,
-        &["current", "velocity", "velocity_ref", "angle", "load"],
+        &["front_end", "current", "velocity", "velocity_ref", "angle", "load"],
     ],
     required: &[],
 };

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::turning::Turning;
 use model::audit::column::Column;
 use model::audit::friction::Excited;
 use model::audit::times::Times;
@@ -32,6 +33,8 @@ pub struct Audited {
     pub velocity: Option<Arc<Vec<f64>>>,
     /// The angle of the shaft, rad.
     pub angle: Option<Arc<Vec<f64>>>,
+    /// What tells their units, and how they contradict each other.
+    pub(super) turning: Turning,
     /// The reference of the velocity.
     pub velocity_ref: Option<Arc<Vec<f64>>>,
     /// The load.

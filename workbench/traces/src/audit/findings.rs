@@ -71,6 +71,9 @@ impl Audited {
         if let Some(finding) = self.angle.as_deref().filter(|_| is_whole).and_then(|angle| of_angle::lost_rows(angle)) {
             add(findings, finding, id);
         }
+        for said in self.turning.told() {
+            add(findings, said, id);
+        }
         let slow = self.current.as_deref().and_then(|current| too_slow(held(current)?, rate));
         if let Some(problem) = slow {
             add(findings, format!("the current {problem}"), id);
@@ -90,7 +93,8 @@ impl Audited {
         }
         // Where times are irregular, the velocity does not tell how far the shaft turns from row to row.
         let even = |times: &Times| times.jitter <= IRREGULAR && times.gaps == 0;
-        if let (Some(velocity), Some(angle), Some(times)) = (&self.velocity, &self.angle, self.times.filter(even)) {
+        let times = self.times.filter(|times| even(times) && self.turning.contradiction.is_none());
+        if let (Some(velocity), Some(angle), Some(times)) = (&self.velocity, &self.angle, times) {
             for finding in of_angle::findings(angle, velocity, times.rate_hz) {
                 add(findings, finding, id);
             }
@@ -154,6 +158,17 @@ pub(super) fn session_sets(traces: &[Audited], classes: &[String], findings: &mu
 /// The largest magnitude.
 fn largest(signal: &[f64]) -> f64 {
     signal.iter().fold(0.0, |most, x| x.abs().max(most))
+}
+
+/// Finds traces whose rate differs from that of the others.
+pub(super) fn several_rates(traces: &[Audited], findings: &mut Vec<Finding>) {
+    /// Difference of two rates that are not one.
+    const APART: f64 = 0.02;
+    let rates = || traces.iter().filter_map(|trace| Some((trace.times?.rate_hz, &trace.id)));
+    let usual = median(rates().map(|(rate, _)| rate).collect::<Vec<_>>());
+    for (rate, id) in rates().filter(|(rate, _)| (rate / usual - 1.0).abs() > APART) {
+        add(findings, format!("{rate:.4} rows a second, where most traces have {usual:.4}"), id);
+    }
 }
 
 pub(super) fn equal_traces(traces: &[Audited], findings: &mut Vec<Finding>) {

@@ -3,6 +3,7 @@
 mod asked;
 mod audited;
 mod findings;
+mod looked;
 mod words;
 mod work;
 

@@ -105,11 +105,12 @@ fn to_json(traces: &[Audited], findings: &[Finding], rotor: Option<f64>, lines: 
             saturated,
             missing,
             outside,
+            unsigned,
         } = column;
         json!({
             "column": name, "mean": mean, "deviation": deviation, "least": least, "largest": largest, "step": step,
             "changes_every_rows": every, "changing": changing, "held": held, "saturated": saturated,
-            "missing": missing, "rows_outside": outside.map_or(0, |(_, count)| count)
+            "missing": missing, "rows_outside": outside.map_or(0, |(_, count)| count), "unsigned_values": unsigned
         })
     };
     let trace = |trace: &Audited| {

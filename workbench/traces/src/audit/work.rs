@@ -9,18 +9,18 @@ use rayon::prelude::*;
 
 use super::asked::Audit;
 use super::audited::{Audited, Finding, Line, Outcome};
-use super::findings::{add, equal_traces, session_sets};
-use crate::describe::guess::Guess;
-use crate::reader::{self, Series};
+use super::findings::{add, equal_traces, session_sets, several_rates};
+use super::looked;
+use crate::cleaned_reader;
+use crate::front_end::OWN;
 use crate::table::Table;
 use model::Error;
-use model::audit::column::Column;
 use model::audit::friction::{Excited, Motion, Terms, excited};
 use model::audit::orders::{self, floor, rate, smallest_line, turns};
-use model::audit::times::Times;
 use model::session::Log;
-use model::settings::{Signals, healthy_class};
-use model::trace::{bridged, file_name, stem};
+use model::settings::{Data, Settings, Signals, healthy_class};
+use model::trace::front_end::FrontEndFile;
+use model::trace::{Cells, Channels, Recorded, Trace, file_name, stem};
 
 /// Rows of the shortest trace; shorter ones are tables of something else.
 const FEWEST: usize = 8;
@@ -32,8 +32,9 @@ impl Audit {
     /// No trace, or channels that cannot be read.
     pub fn audit(&self, files: &[PathBuf], log: &Log<'_>) -> Result<Outcome, Error> {
         let step = log.steps("auditing", files.len());
+        let front_end = self.settings.data.front_end.as_deref().map(FrontEndFile::read).transpose()?;
         let each = |file: &PathBuf| {
-            let found = self.look(file);
+            let found = self.look(file, front_end.as_ref());
             step(1);
             found
         };
@@ -73,6 +74,7 @@ impl Audit {
             trace.findings(&mut findings);
         }
         equal_traces(&traces, &mut findings);
+        several_rates(&traces, &mut findings);
         let rotor = self.rotor_rate(&traces, &mut findings);
         // Empty without labels, and for a trace that has none.
         let ids = traces.iter().map(|trace| trace.id.as_str());
@@ -83,56 +85,44 @@ impl Audit {
         Ok(Outcome { traces, findings, rotor, lines, terms })
     }
 
-    fn look(&self, file: &Path) -> Result<Vec<Audited>, Error> {
-        let time = self.settings.data.time.as_deref();
+    /// The traces of a file: as they are recorded, and behind the front end, if there is one.
+    fn look(&self, file: &Path, front_end: Option<&FrontEndFile>) -> Result<Vec<Audited>, Error> {
         let table = Table::open_as(file, &self.settings.data.text_form())?;
-        let (names, problems) = reader::numeric(&table, time)?;
-        let of_columns = problems.iter().map(|problem| match problem {
-            Error::Content { place, problem, .. } => format!("{place}: left out: {problem}"),
-            other => other.to_string(),
-        });
-        let left_out: Vec<String> = table.about().told().chain(of_columns).collect();
-        let guess = Guess::of(&names);
-        let Signals { current, velocity, angle, velocity_ref, load, .. } = &self.settings.channels;
-        let chosen = [
-            (current, guess.current),
-            (velocity, guess.velocity),
-            (angle, guess.angle),
-            (velocity_ref, guess.velocity_ref),
-            (load, guess.load),
-        ];
-        let chosen = chosen.map(|(given, likely)| given.clone().or(likely));
-        // A channel that is a column is not read again.
-        let computed: Vec<&String> = chosen.iter().flatten().filter(|channel| !names.contains(channel)).collect();
-        let channels: Vec<String> = names.iter().chain(computed.iter().copied()).cloned().collect();
-        let read = reader::series(&table, (time, self.settings.data.rate_hz), &channels)?;
-        let recorded = reader::has_time(&table, time);
-        let each = |series: Series| {
-            let all: Vec<Arc<Vec<f64>>> = series.columns.into_iter().map(Arc::new).collect();
-            let of_name = |name: &String| Some(&all[channels.iter().position(|own| own == name)?]);
-            let times = series.times_s.as_deref().filter(|_| recorded).and_then(Times::of);
-            let values = all[..names.len()].to_vec();
-            let used: Vec<Arc<Vec<f64>>> = chosen.iter().flatten().filter_map(of_name).cloned().collect();
-            let missing = Audited::missing(times.as_ref(), &values, &used);
-            let [current, velocity, angle, velocity_ref, load] =
-                std::array::from_fn(|k| chosen[k].as_ref().and_then(of_name).map(whole));
-            Audited {
-                id: stem(&series.id).to_string(),
-                names: names.clone(),
-                left_out: left_out.clone(),
-                times,
-                missing,
-                times_s: series.times_s.filter(|_| recorded),
-                columns: values.iter().map(|column| Column::of(column)).collect(),
-                values,
-                current,
-                velocity,
-                angle,
-                velocity_ref,
-                load,
-            }
+        let Some(front_end) = front_end else { return looked::look(&table, &self.settings, &self.settings.channels) };
+        let mut all = looked::look(&table, &self.settings, &Signals::default())?;
+        let settings = Settings { data: Data::default(), ..self.settings.clone() };
+        for cleaned in self.cleaned(&table, front_end)? {
+            all.extend(looked::look(&Table::of(&Arc::new(cleaned)), &settings, &settings.channels)?);
+        }
+        Ok(all)
+    }
+
+    /// What the front end makes of the traces of a table.
+    fn cleaned(&self, table: &Table, front_end: &FrontEndFile) -> Result<Vec<Recorded>, Error> {
+        let Settings { data, channels, .. } = &self.settings;
+        let [current, velocity, angle] = OWN.map(String::from);
+        let further = [&channels.load, &channels.velocity_ref].into_iter().flatten();
+        let further: Vec<String> = further.filter(|name| table.names().contains(name)).cloned().collect();
+        let wanted = Channels {
+            further: std::iter::once(angle).chain(further.iter().cloned()).collect(),
+            time: data.time.clone(),
+            rate_hz: data.rate_hz,
+            text: data.text_form(),
+            ..Channels::new(&current, &velocity, &velocity)
         };
-        Ok(read.into_iter().map(each).collect())
+        let each = |trace: Trace| {
+            let times = (0..trace.y.len()).map(|row| row as f64 * front_end.interval_s()).collect();
+            let names = OWN.map(String::from).into_iter().chain(further.iter().cloned());
+            let columns = [trace.y, trace.u1].into_iter().chain(trace.further);
+            let columns = names.zip(columns).map(|(name, values)| (name, Cells::Numbers(values)));
+            let time = ("t_s".to_string(), Cells::Numbers(times));
+            Recorded::new(
+                format!("{} behind the front end", stem(&trace.id)),
+                std::iter::once(time).chain(columns).collect(),
+            )
+        };
+        let traces = cleaned_reader::read(table, &wanted, front_end, &|_| true)?;
+        traces.into_iter().map(each).collect()
     }
 
     /// The rate by the lines of the rotor, for traces without a time.
@@ -191,9 +181,4 @@ impl Audit {
         };
         traces.iter().filter_map(each).collect()
     }
-}
-
-/// A channel in which the last value stands for a missing one.
-fn whole(values: &Arc<Vec<f64>>) -> Arc<Vec<f64>> {
-    if values.iter().all(|x| x.is_finite()) { Arc::clone(values) } else { Arc::new(bridged(values)) }
 }

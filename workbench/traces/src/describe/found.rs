@@ -4,12 +4,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::asked::Asked;
+use super::axes;
 use super::kinds::{LeftOut, are_alike, kinds, most};
 use super::names::{self, Told};
 use super::proposal::Proposal;
 use super::raw::{self, Extremes, RawFrontEnd};
 use crate::front_end::OWN;
 use crate::table::Table;
+use crate::turning::Turning;
 use crate::{read_labels, reader};
 use model::Error;
 use model::audit::times::Times;
@@ -42,6 +44,10 @@ pub(super) struct Found {
     /// How the classes of labels were told that were made.
     pub(super) made: Option<Told>,
     pub(super) proposal: Proposal,
+    /// The units of angle and velocity.
+    pub(super) turning: Turning,
+    /// What was guessed or is asked of the channels, a sentence each.
+    pub(super) doubts: Vec<String>,
     /// The front end of recordings at the control rate, if it was asked for.
     pub(super) front_end: Option<RawFrontEnd>,
 }
@@ -87,11 +93,18 @@ impl Found {
         };
         let factor = front_end.as_ref().map_or(1, |front_end| front_end.file.factor);
         let (rows, rate_hz) = (rows / factor, rate_hz.map(|rate_hz| rate_hz / factor as f64));
-        let channels = match &front_end {
-            Some(front_end) => channels_behind(front_end, &names),
-            None => first.map_or_else(|| names.clone(), |one| signals(&names, &one.columns)),
+        let recorded = first.filter(|_| front_end.is_none());
+        let axis = recorded.and_then(|one| axes::of_moving(&names, &one.columns));
+        let channels = match (&front_end, &axis) {
+            (Some(front_end), _) => channels_behind(front_end, &names),
+            (None, Some((kept, _))) => kept.clone(),
+            (None, None) => first.map_or_else(|| names.clone(), |one| signals(&names, &one.columns)),
         };
         let mut proposal = Proposal::of(&channels);
+        let turning = recorded.map(|one| proposal.turning(&names, &one.columns, rate_hz)).unwrap_or_default();
+        let mut doubts: Vec<String> = axis.into_iter().map(|(_, said)| said).collect();
+        doubts.extend(proposal.doubts(front_end.is_some()));
+        doubts.extend(turning.told());
         if front_end.is_some() && proposal.by_reference && !proposal.alone {
             // The front end of a drive makes columns, and no difference of them.
             proposal.u1 = proposal.guess.velocity_ref.clone().or(proposal.u1);
@@ -128,6 +141,8 @@ impl Found {
             labels,
             made,
             proposal,
+            turning,
+            doubts,
             front_end,
         })
     }

@@ -3,7 +3,7 @@
 use crate::units::{Quantity, Unit};
 use model::trace::{is_reference, words};
 
-/// Channels that were found; each is a column, with its unit converted where that is needed.
+/// Channels that were found, each a column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Guess {
     pub(crate) current: Option<String>,
@@ -12,16 +12,39 @@ pub(crate) struct Guess {
     pub(crate) current_ref: Option<String>,
     pub(crate) angle: Option<String>,
     pub(crate) load: Option<String>,
+    /// Phase currents, of which none is the quadrature current.
+    pub(crate) phases: Vec<String>,
 }
 
 /// Parts of names, the most telling first.
-const CURRENT: [&str; 9] = ["iq", "current", "strom", "courant", "corriente", "curr", "amp", "ia", "i"];
-const VELOCITY: [&str; 10] =
-    ["velocity", "vel", "speed", "drehzahl", "geschwindigkeit", "vitesse", "rpm", "omega", "rev", "w"];
-const ANGLE: [&str; 7] = ["angle", "winkel", "theta", "position", "pos", "resolver", "encoder"];
-const LOAD: [&str; 6] = ["load", "torque", "drehmoment", "couple", "force", "brake"];
+const CURRENT: [&str; 11] =
+    ["iq", "current", "strom", "courant", "corriente", "電流", "电流", "curr", "amp", "ia", "i"];
+const VELOCITY: [&str; 15] = [
+    "velocity",
+    "vel",
+    "speed",
+    "drehzahl",
+    "geschwindigkeit",
+    "vitesse",
+    "速度",
+    "回転数",
+    "转速",
+    "回転速度",
+    "rpm",
+    "erpm",
+    "omega",
+    "rev",
+    "w",
+];
+const ANGLE: [&str; 11] =
+    ["angle", "winkel", "theta", "角度", "position", "位置", "pos", "resolver", "encoder", "電気角", "phi"];
+const LOAD: [&str; 11] =
+    ["load", "last", "lastmoment", "torque", "drehmoment", "couple", "トルク", "转矩", "moment", "force", "brake"];
 /// Parts of names of what is computed or of another machine.
 const SECONDARY: [&str; 6] = ["est", "estimated", "2", "error", "err", "filtered"];
+/// Words of columns that say what a row is of.
+const LABELS: [&str; 12] =
+    ["label", "labels", "class", "klasse", "fault", "fehler", "state", "status", "id", "index", "sample", "target"];
 
 /// Parts of names of a power, and of what the motor gives, which are no load of the shaft.
 const NO_LOAD: [&str; 2] = ["power", "motor"];
@@ -39,47 +62,96 @@ fn rank(name: &str, parts: &[&str], reference: bool) -> Option<usize> {
     Some(best + if has(&SECONDARY) { 100 } else { 0 })
 }
 
+/// Whether a column says what a row is of, and is no signal.
+pub(crate) fn is_label(name: &str) -> bool {
+    let words = words(name);
+    !is_reference(name) && words.first().is_some_and(|word| LABELS.contains(&word.as_str()))
+        || words.last().is_some_and(|word| ["label", "class"].contains(&word.as_str()))
+}
+
+/// The columns of phase currents: two or three of a set of phases.
+fn phases(names: &[String]) -> Vec<String> {
+    /// Beginnings of names, and phases.
+    const OF: [&str; 6] = ["i", "current", "phase", "strom", "iphase", "ph"];
+    const SETS: [[&str; 3]; 4] = [["a", "b", "c"], ["u", "v", "w"], ["r", "s", "t"], ["l1", "l2", "l3"]];
+    let plain = |name: &String| {
+        let name = name.split(['[', '(']).next().unwrap_or_default().to_lowercase();
+        let bare = name.strip_suffix("_a").filter(|rest| rest.len() > 1).unwrap_or(&name).to_string();
+        let compact = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>();
+        [compact(&name), compact(&bare)]
+    };
+    let all: Vec<[String; 2]> = names.iter().map(plain).collect();
+    for of in OF {
+        for set in SETS {
+            let of_phase = |phase: &str| all.iter().position(|own| own.contains(&format!("{of}{phase}")));
+            let found: Vec<usize> = set.iter().filter_map(|phase| of_phase(phase)).collect();
+            if found.len() >= 2 {
+                return found.into_iter().map(|place| names[place].clone()).collect();
+            }
+        }
+    }
+    vec![]
+}
+
 impl Guess {
     /// By the names of columns of numbers.
     pub(crate) fn of(names: &[String]) -> Self {
+        let phases = phases(names);
         let best = |parts: &[&str], reference: bool, refused: &[Quantity]| {
-            let fits = |name: &&String| unit_of(name).is_none_or(|unit| !refused.contains(&unit.quantity));
+            let fits = |name: &&String| {
+                Unit::of_column(name).is_none_or(|unit| !refused.contains(&unit.quantity))
+                    && !phases.contains(name)
+                    && !is_label(name)
+            };
             let ranked = names.iter().filter(fits).filter_map(|name| Some((rank(name, parts, reference)?, name)));
             ranked.min_by_key(|(rank, _)| *rank).map(|(_, name)| name.clone())
         };
-        use Quantity::{Angle, AngularVelocity, Current, Force, Length, Torque, Velocity, Voltage};
-        let of_motion = [Current, Torque, Force, Voltage];
+        use Quantity::{Angle, AngularVelocity, Current, Force, Length, Other, Torque, Velocity, Voltage};
+        let of_motion = [Current, Torque, Force, Voltage, Other];
         let velocity_as = [&of_motion[..], &[Angle, Length]].concat();
         let angle_as = [&of_motion[..], &[AngularVelocity, Velocity, Length]].concat();
         let moving = [AngularVelocity, Velocity, Angle, Length];
-        let in_unit = |found: Option<String>, unit: &str| found.map(|name| converted(&name, unit));
-        let current = best(&CURRENT, false, &[&moving[..], &[Torque, Force, Voltage]].concat());
-        let velocity = best(&VELOCITY, false, &velocity_as);
-        let load = best(&LOAD, false, &[&moving[..], &[Current, Voltage]].concat())
+        let current_as = [&moving[..], &[Torque, Force, Voltage, Other]].concat();
+        // A name may say nothing but its unit: q_A.
+        let in_amperes = |name: &&String| {
+            Unit::of_column(name).is_some_and(|unit| unit.quantity == Current)
+                && !(phases.contains(name)
+                    || is_label(name)
+                    || is_reference(name)
+                    || words(name).contains(&"d".to_string()))
+        };
+        let current = best(&CURRENT, false, &current_as).or_else(|| names.iter().find(in_amperes).cloned());
+        let load = best(&LOAD, false, &[&moving[..], &[Current, Voltage, Other]].concat())
             .filter(|name| !words(name).iter().any(|word| NO_LOAD.contains(&word.as_str())));
         let different =
             |found: Option<String>, other: &Option<String>| found.filter(|name| Some(name) != other.as_ref());
         Self {
-            velocity_ref: in_unit(best(&VELOCITY, true, &velocity_as), "rad/s"),
-            current_ref: different(best(&CURRENT, true, &[&moving[..], &[Torque, Force, Voltage]].concat()), &current),
-            angle: in_unit(best(&ANGLE, false, &angle_as), "rad"),
+            velocity_ref: best(&VELOCITY, true, &velocity_as),
+            current_ref: different(best(&CURRENT, true, &current_as), &current),
+            angle: best(&ANGLE, false, &angle_as),
             load: different(load, &current),
-            current: in_unit(current, "A"),
-            velocity: in_unit(velocity, "rad/s"),
+            velocity: best(&VELOCITY, false, &velocity_as),
+            current,
+            phases,
+        }
+    }
+
+    /// The channels in A, rad/s and rad, where the names tell other units.
+    pub(crate) fn converted(self) -> Self {
+        let in_unit = |found: Option<String>, unit: &str| found.map(|name| converted(&name, unit));
+        Self {
+            current: in_unit(self.current, "A"),
+            velocity: in_unit(self.velocity, "rad/s"),
+            velocity_ref: in_unit(self.velocity_ref, "rad/s"),
+            angle: in_unit(self.angle, "rad"),
+            ..self
         }
     }
 }
 
-/// The unit of a column; `theta_m` and `omega_m` are of the machine's mechanical side, not in metres.
-fn unit_of(name: &str) -> Option<Unit> {
-    const ROTARY: [&str; 6] = ["theta", "angle", "omega", "phi", "speed", "torque"];
-    let is_mechanical = name.ends_with("_m") && words(name).iter().any(|word| ROTARY.contains(&word.as_str()));
-    Unit::of_column(name).filter(|_| !is_mechanical)
-}
-
 /// The column in this unit, if its name says that it is in another one of the same quantity.
-fn converted(name: &str, unit: &str) -> String {
-    let known = unit_of(name).zip(Unit::named(unit)).and_then(|(own, wanted)| own.to(&wanted));
+pub(crate) fn converted(name: &str, unit: &str) -> String {
+    let known = Unit::of_column(name).zip(Unit::named(unit)).and_then(|(own, wanted)| own.to(&wanted));
     match known {
         Some(factor) if factor != (1.0, 0.0) => format!("({name}){unit}"),
         _ => name.to_string(),
@@ -91,7 +163,7 @@ mod tests {
     use super::*;
 
     fn of(names: &[&str]) -> Guess {
-        Guess::of(&names.iter().map(ToString::to_string).collect::<Vec<_>>())
+        Guess::of(&names.iter().map(ToString::to_string).collect::<Vec<_>>()).converted()
     }
 
     #[test]
@@ -129,5 +201,36 @@ mod tests {
         assert_eq!((log.current, log.velocity_ref), (some("(motorCurrent_mA)A"), some("SpeedSetpoint")));
         assert_eq!(of(&["motor_iq_1", "motor_torque_1", "power_load_mech_1"]).load, None);
         assert_eq!(of(&["X131_DE_time", "time2"]), Guess::default());
+    }
+
+    #[test]
+    fn columns_of_other_languages_are_found() {
+        let some = |name: &str| Some(name.to_string());
+        let log =
+            of(&["Zeit in s", "Iq in A", "Drehzahl in 1/min", "Solldrehzahl in 1/min", "Winkel in Grad", "Lastmoment"]);
+        assert_eq!((log.current, log.load), (some("Iq in A"), some("Lastmoment")));
+        assert_eq!((log.velocity, log.angle), (some("(Drehzahl in 1/min)rad/s"), some("(Winkel in Grad)rad")));
+        assert_eq!(log.velocity_ref, some("(Solldrehzahl in 1/min)rad/s"));
+        let log = of(&["電流[A]", "回転数[rpm]", "指令速度[rpm]", "角度[deg]", "負荷トルク[Nm]"]);
+        assert_eq!((log.current, log.load), (some("電流[A]"), some("負荷トルク[Nm]")));
+        assert_eq!((log.velocity, log.velocity_ref), (some("(回転数[rpm])rad/s"), some("(指令速度[rpm])rad/s")));
+        assert_eq!(log.angle, some("(角度[deg])rad"));
+    }
+
+    #[test]
+    fn a_phase_current_or_a_label_is_no_channel() {
+        for names in
+            [&["ia", "ib", "ic", "omega"][..], &["i_u [A]", "i_v [A]", "speed"], &["current_a", "current_b", "w"]]
+        {
+            let log = of(names);
+            assert_eq!((log.current, log.phases.len() >= 2), (None, true), "{names:?}");
+        }
+        assert_eq!(of(&["current_a", "velocity_rad_s"]).current, Some("current_a".into()));
+        assert_eq!(of(&["ia_A", "ib_A", "iq_A"]).current, Some("iq_A".into()));
+        assert_eq!(of(&["d_A", "q_A", "position"]).current, Some("q_A".into()));
+        for name in ["label", "fault_current", "class", "state_velocity", "bearing_label"] {
+            assert!(is_label(name), "{name}");
+            assert_eq!(of(&[name]), Guess::default(), "{name}");
+        }
     }
 }

@@ -5,6 +5,7 @@
 //! ```
 
 mod asked;
+mod axes;
 mod found;
 pub(crate) mod guess;
 mod kinds;
@@ -17,6 +18,7 @@ mod values;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use crate::turning::Channel;
 pub use asked::Asked;
 use found::Found;
 use guess::Guess;
@@ -82,7 +84,12 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
     outputs::write(&out, text(&found, &values, note.as_deref()))?;
     let left = found.left.iter().map(LeftOut::told).chain(found.columns_left.iter().cloned());
     log.warn(left.map(|left| format!("left out {left}")));
-    let question = found.made.filter(|told| *told == Told::Nothing).map(made);
+    log.warn(found.doubts.clone());
+    let open = [&found.turning.angle, &found.turning.velocity].into_iter().flatten();
+    let open = open.filter(|channel| channel.is_question()).filter_map(|channel| channel.said.clone());
+    let questions: Vec<String> =
+        found.made.filter(|told| *told == Told::Nothing).map(made).into_iter().chain(open).collect();
+    let question = (!questions.is_empty()).then(|| questions.join(" "));
     let mut told = told(&found, &out);
     match outcome {
         Outcome::Refused(reason) => {
@@ -133,6 +140,9 @@ fn text(found: &Found, Values { values, refused }: &Values, note: Option<&str>) 
     if let Some(note) = note {
         let _never_fails = writeln!(text, "# {}", one_line(note));
     }
+    for doubt in &found.doubts {
+        let _never_fails = writeln!(text, "# {}", one_line(doubt));
+    }
     let _never_fails = writeln!(text, "# Columns: {}", found.names.join(", "));
     let (_, labels, classes) = &found.labels;
     let columns = labels.columns().join(", ");
@@ -163,8 +173,14 @@ fn told(found: &Found, out: &Path) -> String {
     let made = found.made.map_or_else(String::new, |how| format!(" {}: {}.", file.display(), made(how)));
     let files = format!("{} file{}", found.files, if found.files == 1 { "" } else { "s" });
     let rate = if found.rate_hz.is_none() { " The files have no time: set rate_hz." } else { "" };
+    let asks = |channel: &&Option<Channel>| channel.as_ref().is_some_and(Channel::is_question);
+    let open = [&found.turning.angle, &found.turning.velocity].into_iter().filter(asks).count();
+    let open = match open {
+        0 => String::new(),
+        _ => " Answer the questions: write a unit or a number in the place of each ?; training waits for them.".into(),
+    };
     format!(
-        "{}: {}; {}. Check the channels and their signs.{made}{rate}",
+        "{}: {}; {}. Check the channels and their signs.{made}{rate}{open}",
         out.display(),
         files,
         said.collect::<Vec<_>>().join(", ")

@@ -1,7 +1,8 @@
 //! The channels that `init` proposes by the names of columns.
 
-use super::guess::Guess;
-use crate::units::{Quantity, Unit};
+use super::guess::{Guess, is_label};
+use crate::turning::{Column, Turning};
+use crate::units::{Quantity, Unit, stated};
 use model::statistics::mean_sd;
 use model::trace::bridged;
 
@@ -10,6 +11,8 @@ const CONSTANT: f64 = 0.01;
 
 /// The likely channels, output and inputs.
 pub(super) struct Proposal {
+    /// The columns, and the channels that they become.
+    pub(super) columns: Guess,
     pub(super) guess: Guess,
     pub(super) y: Option<String>,
     pub(super) u1: Option<String>,
@@ -22,7 +25,8 @@ pub(super) struct Proposal {
 impl Proposal {
     /// By the names of the columns.
     pub(super) fn of(names: &[String]) -> Self {
-        let guess = Guess::of(names);
+        let columns = Guess::of(names);
+        let guess = columns.clone().converted();
         let Guess { current, velocity, velocity_ref, current_ref, .. } = &guess;
         // Without a reference of the velocity, the current drives the velocity.
         let by_reference = velocity_ref.is_some() && velocity.is_some() || current.is_none() || velocity.is_none();
@@ -33,7 +37,7 @@ impl Proposal {
         let of_current = current_ref.clone().or_else(|| current.clone());
         let (y, u1) = if by_reference { (current.clone(), input) } else { (velocity.clone(), of_current) };
         if y.is_some() && u1.is_some() {
-            return Self { guess, y, u1, by_reference, alone: false };
+            return Self { columns, guess, y, u1, by_reference, alone: false };
         }
         // By units: what moves is the output, what drives it the input. Otherwise the first column alone.
         let of_quantity = |wanted: &[Quantity]| {
@@ -43,17 +47,50 @@ impl Proposal {
         use Quantity::{Angle, AngularVelocity, Force, Length, Torque, Velocity, Voltage};
         let moves = of_quantity(&[Length, Angle, Velocity, AngularVelocity]);
         match (moves, of_quantity(&[Voltage, Force, Torque])) {
-            (Some(y), Some(u1)) => Self { guess, y: Some(y), u1: Some(u1), by_reference, alone: false },
+            (Some(y), Some(u1)) => Self { columns, guess, y: Some(y), u1: Some(u1), by_reference, alone: false },
             _ => {
-                let first = current.clone().or_else(|| names.first().cloned());
-                Self { guess, y: first.clone(), u1: first, by_reference, alone: true }
+                // Of several columns without a name none is an output more than another one.
+                let is_named = |name: &&String| !is_label(name) && !columns.phases.contains(name);
+                let is_place = |name: &String| name.strip_prefix('c').is_some_and(|k| k.parse::<u32>().is_ok());
+                let some = names.iter().find(is_named).filter(|name| names.len() == 1 || !is_place(name));
+                let y = current.clone().or_else(|| some.cloned());
+                Self { columns, guess, y, u1: None, by_reference, alone: true }
             }
         }
     }
 
     /// Whether files of which these are the shared columns go together with files of `own`.
     pub(super) fn stands_for(&self, own: &Self) -> bool {
-        self.guess == own.guess && (self.alone == own.alone) && (!self.alone || self.y == own.y)
+        self.columns == own.columns && (self.alone == own.alone) && (!self.alone || self.y == own.y)
+    }
+
+    /// The units of angle and velocity of a trace with these columns.
+    pub(super) fn turning(&self, names: &[String], columns: &[Vec<f64>], rate_hz: Option<f64>) -> Turning {
+        let column = |name: &String| {
+            let place = names.iter().position(|other| other == name)?;
+            Some(Column { name: &names[place], values: columns.get(place)? })
+        };
+        let of = |channel: &Option<String>| channel.as_ref().and_then(column);
+        Turning::of(of(&self.columns.angle), of(&self.columns.velocity), rate_hz)
+    }
+
+    /// What the names leave open: phases in the place of a current, and the unit of the current.
+    pub(super) fn doubts(&self, behind_front_end: bool) -> Vec<String> {
+        let Guess { current, phases, .. } = &self.columns;
+        let of_current = |name: &String| {
+            let unit = Unit::of_column(name).is_some_and(|unit| unit.quantity == Quantity::Current);
+            (!unit).then(|| match stated(name) {
+                Some(unit) => format!("the unit {unit} of {name} is not known: it is taken as A"),
+                None => format!("the unit of {name} is not known: it is taken as A"),
+            })
+        };
+        let phases = (current.is_none() && !phases.is_empty() && !behind_front_end).then(|| {
+            let list = phases.join(", ");
+            format!(
+                "{list} are phase currents, of which none is the current: --front-end makes it of them and the angle"
+            )
+        });
+        phases.into_iter().chain(current.as_ref().and_then(of_current)).collect()
     }
 
     /// Whether the velocity of a trace with these columns is constant.

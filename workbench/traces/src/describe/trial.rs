@@ -28,7 +28,7 @@ pub(super) fn tried(found: &Found, values: &mut Values, (out, text): (&Path, &dy
         return Outcome::Untried;
     }
     let train = |values: &Values| -> Result<(), String> {
-        let file = DriveFile::of(out, text(values)).map_err(|error| error.to_string())?;
+        let file = DriveFile::of(out, text(&values.answered())).map_err(|error| error.to_string())?;
         let settings = file.settings.completed();
         let log = Log::new(&Quiet);
         let train = || Session::new(settings.clone(), given(&settings, Memory::default())?, None)?.train(&log);

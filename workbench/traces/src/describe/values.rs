@@ -8,6 +8,7 @@ use super::guess::Guess;
 use super::names::{HEALTHY, REFERENCE};
 use super::proposal::Proposal;
 use crate::reader;
+use crate::units::Unit;
 use model::settings::{Data, from_here, literal as text};
 use model::trace::TextForm;
 use model::train::novelty;
@@ -37,6 +38,17 @@ impl Values {
         let features = own.channels(found);
         own.classes(found, features);
         own
+    }
+
+    /// These values with an answer in the place of each question about a unit or a number, so that the others can be
+    /// tried.
+    pub(super) fn answered(&self) -> Self {
+        let mut answered = self.clone();
+        for (key, value) in &mut answered.values {
+            let unit = if *key == "angle" && !value.contains("integrate(") { "[rad]" } else { "[rad/s]" };
+            *value = value.replace("[?]", unit).replace("/?", "/2");
+        }
+        answered
     }
 
     fn channel(&mut self, key: &'static str, found: &Option<String>) {
@@ -70,13 +82,20 @@ impl Values {
     /// Writes channels, order and features; returns the number of features, and the channel of the current if its mean
     /// and rms can stand for them.
     fn channels(&mut self, found: &Found) -> (usize, Option<String>) {
-        let Proposal { guess, y, u1, by_reference, alone } = &found.proposal;
-        let Guess { current, velocity, velocity_ref, angle, load, .. } = guess;
+        let Proposal { guess, columns, y, u1, by_reference, alone } = &found.proposal;
+        let Guess { current, load, .. } = guess;
+        let [angle, velocity] = [(&found.turning.angle, &guess.angle), (&found.turning.velocity, &guess.velocity)]
+            .map(|(known, named)| known.as_ref().map(|channel| channel.text.clone()).or_else(|| named.clone()));
+        let velocity_ref = &guess.velocity_ref.as_ref().map(|name| {
+            // A reference without a unit is in that of the velocity.
+            let stated = velocity.as_ref().zip(columns.velocity.as_ref()).filter(|_| Unit::of_column(name).is_none());
+            stated.map_or_else(|| name.clone(), |(channel, column)| channel.replace(column.as_str(), name))
+        });
         // The angle of a shaft whose velocity is constant follows from it.
         let integrated =
             velocity.as_ref().filter(|_| found.is_constant && found.rate_hz.is_some() && current.is_some());
         let integrated = integrated.map(|velocity| format!("integrate({velocity}) rad"));
-        let angle = angle.clone().or_else(|| integrated.clone());
+        let angle = angle.or_else(|| integrated.clone());
         self.channel("angle", &angle);
         let turning = |name: &&String| name.ends_with(")rad/s") || name.to_lowercase().ends_with("rad_s");
         if let (None, Some(velocity), Some(current)) = (&angle, velocity.as_ref().filter(turning), current) {
@@ -87,7 +106,7 @@ impl Values {
             self.refused.insert("angle", shaft);
         }
         if angle.is_some() {
-            self.channel("velocity", velocity);
+            self.channel("velocity", &velocity);
             self.channel("load", load);
             self.channel("velocity_ref", velocity_ref);
         }

@@ -1,4 +1,14 @@
-//! Units of channels: by the name of a column, and by name in a channel.
+//! Units of channels: by the name of a column, and as they are written.
+//!
+//! | module | content |
+//! |---|---|
+//! | `grammar` | a unit as it is written: prefixes, factors, products, words of several languages |
+//! | `column` | where the name of a column has its unit |
+
+mod column;
+mod grammar;
+
+pub(crate) use column::stated;
 
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,10 +33,12 @@ pub enum Quantity {
     Temperature,
     /// Time; s.
     Time,
+    /// Another one, such as an acceleration or a power.
+    Other,
 }
 
 /// A unit: a value times `factor`, plus `offset`, is in the base unit of its quantity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Unit {
     /// What is measured in it.
     pub quantity: Quantity,
@@ -37,80 +49,35 @@ pub struct Unit {
 const TURN: f64 = std::f64::consts::TAU;
 const DEGREE: f64 = TURN / 360.0;
 
-use Quantity::{Angle, AngularVelocity, Current, Force, Length, Temperature, Time, Torque, Velocity, Voltage};
+/// Relative difference of factors that are equal but for rounding.
+const ROUNDING: f64 = 1e-12;
 
-/// Names, as they follow a number or an underscore, with quantity and factor.
-const UNITS: [(&[&str], Quantity, f64); 34] = [
-    (&["rad"], Angle, 1.0),
-    (&["mrad"], Angle, 1e-3),
-    (&["deg", "°"], Angle, DEGREE),
-    (&["turn", "turns", "rev"], Angle, TURN),
-    (&["rad/s", "rad_s"], AngularVelocity, 1.0),
-    (&["deg/s", "deg_s", "°/s"], AngularVelocity, DEGREE),
-    (
-        &["rpm", "RPM", "1/min", "U/min", "r/min", "rev/min", "tr/min", "min-1", "min^-1", "min⁻¹"],
-        AngularVelocity,
-        TURN / 60.0,
-    ),
-    (&["turn/s", "turns/s", "turns_s", "rev/s", "rev_s"], AngularVelocity, TURN),
-    (&["m"], Length, 1.0),
-    (&["mm"], Length, 1e-3),
-    (&["um", "µm", "μm"], Length, 1e-6),
-    (&["in"], Length, 0.0254),
-    (&["m/s", "m_s"], Velocity, 1.0),
-    (&["mm/s", "mm_s"], Velocity, 1e-3),
-    (&["A", "a", "A_rms"], Current, 1.0),
-    (&["mA", "ma"], Current, 1e-3),
-    (&["V", "v"], Voltage, 1.0),
-    (&["mV", "mv"], Voltage, 1e-3),
-    (&["Nm", "nm", "N·m", "N*m", "N.m"], Torque, 1.0),
-    (&["mNm", "mnm", "mN·m"], Torque, 1e-3),
-    (&["ozin", "oz·in"], Torque, 7.061_551_814e-3),
-    (&["lbf·ft", "lbfft"], Torque, 1.355_817_948),
-    (&["N", "n"], Force, 1.0),
-    (&["kN", "kn"], Force, 1e3),
-    (&["lbf"], Force, 4.448_221_615),
-    (&["kgf"], Force, 9.806_65),
-    (&["K", "k"], Temperature, 1.0),
-    (&["C", "c", "°C", "degC"], Temperature, 1.0),
-    (&["F", "°F", "degF"], Temperature, 5.0 / 9.0),
-    (&["s", "sec"], Time, 1.0),
-    (&["ms"], Time, 1e-3),
-    (&["us", "µs", "μs"], Time, 1e-6),
-    (&["ns"], Time, 1e-9),
-    (&["min"], Time, 60.0),
+/// Usual names, as messages list them.
+const USUAL: [&str; 29] = [
+    "rad", "mrad", "deg", "turn", "rad/s", "deg/s", "rpm", "turn/s", "m", "mm", "um", "in", "m/s", "mm/s", "A", "mA",
+    "V", "mV", "Nm", "mNm", "N", "kN", "lbf", "K", "C", "F", "s", "ms", "us",
 ];
 
+use Quantity::{Angle, AngularVelocity, Length, Velocity};
+
+impl PartialEq for Unit {
+    fn eq(&self, other: &Self) -> bool {
+        let is_near = |one: f64, other: f64| (one - other).abs() <= ROUNDING * one.abs().max(other.abs());
+        self.quantity == other.quantity && is_near(self.factor, other.factor) && is_near(self.offset, other.offset)
+    }
+}
+
 impl Unit {
-    /// The unit with this name.
+    /// The unit that is written so, such as `rpm`, `0.1 A`, `turn/4096`.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        let (names, quantity, factor) = UNITS.iter().find(|(names, _, _)| names.contains(&name.trim()))?;
-        let offset = match names[0] {
-            "C" => 273.15,
-            "F" => 459.67 * 5.0 / 9.0,
-            _ => 0.0,
-        };
-        Some(Self { quantity: *quantity, factor: *factor, offset })
+        grammar::parse(name)
     }
 
-    /// The unit that the name of a column ends with: `speed_rpm`, `speed [rpm]`, `speed (rpm)`.
+    /// The unit that the name of a column has: `speed_rpm`, `speed [rpm]`, `speed in rpm`.
     #[must_use]
     pub fn of_column(name: &str) -> Option<Self> {
-        let name = name.trim();
-        for (open, close) in [('[', ']'), ('(', ')')] {
-            if let Some((_, unit)) = name.strip_suffix(close).and_then(|rest| rest.rsplit_once(open)) {
-                return Self::named(unit);
-            }
-        }
-        // A column may be called by its unit, and a letter says too little.
-        if name.len() > 2
-            && let Some(unit) = Self::named(name)
-        {
-            return Some(unit);
-        }
-        // The longest end that is a unit: m_s before s.
-        name.match_indices('_').find_map(|(at, _)| Self::named(&name[at + 1..]))
+        column::of(name)
     }
 
     /// The unit that a formula is converted to: `speed_rpm rad/s`, `(speed_rpm)rad/s`.
@@ -122,8 +89,13 @@ impl Unit {
     /// Its usual name.
     #[must_use]
     pub fn name(&self) -> &'static str {
-        let mut names = UNITS.iter().map(|(names, ..)| names[0]);
-        names.find(|name| Self::named(name).as_ref() == Some(self)).unwrap_or_default()
+        USUAL.iter().find(|name| Self::named(name).as_ref() == Some(self)).copied().unwrap_or_default()
+    }
+
+    /// Factor and offset to the base unit of its quantity.
+    #[must_use]
+    pub const fn to_base(&self) -> (f64, f64) {
+        (self.factor, self.offset)
     }
 
     /// Factor and offset from this unit to another one; `None` if they measure different quantities.
@@ -145,33 +117,15 @@ impl Unit {
     }
 }
 
-/// The names of all units, for messages.
+/// The usual names, for messages.
 #[must_use]
 pub fn known() -> String {
-    UNITS.iter().map(|(names, _, _)| names[0]).collect::<Vec<_>>().join(", ")
+    format!("{}, and factors, products and quotients of them", USUAL.join(", "))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn columns_name_their_units() {
-        for (name, unit) in [
-            ("speed_rpm", "rpm"),
-            ("velocity_rad_s", "rad/s"),
-            ("nut_mm_s", "mm/s"),
-            ("Speed [1/min]", "rpm"),
-            ("angle (deg)", "deg"),
-            ("torque_Nm", "Nm"),
-            ("current_a", "A"),
-            ("RPM", "rpm"),
-        ] {
-            assert_eq!(Unit::of_column(name), Unit::named(unit), "{name}");
-            assert!(Unit::of_column(name).is_some(), "{name}");
-        }
-        assert!(Unit::of_column("speed").is_none() && Unit::of_column("i").is_none());
-    }
 
     #[test]
     fn conversions_have_factor_and_offset() {
