@@ -19,6 +19,7 @@
 //! | [`front_end`] | recordings at the control rate → clean samples |
 //! | [`units`] | units, by the names of columns |
 //! | `temperature` | temperatures, by the names of columns |
+//! | `usual_rate` | the usual rate that rounded times allow |
 //! | [`resample`] | irregular times → a constant rate |
 //! | [`given`] | labels, front end and traces that settings name |
 //! | [`audit`] | what recordings are worth |
@@ -42,6 +43,7 @@ mod table_header;
 mod temperature;
 mod time;
 pub mod units;
+mod usual_rate;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -13,12 +13,13 @@
 
 use super::about::About;
 use super::cells::{
-    Line, clean, grouped, is_decimal_comma, lines, plain_number, plainly_grouped, split, start_of_line, truth,
+    Line, clean, grouped, is_decimal_comma, is_decimal_point, lines, plain_number, plainly_grouped, split,
+    start_of_line, truth,
 };
 use super::clock::Clock;
 use super::fraction;
 use super::header::Head;
-use super::preamble;
+use super::preamble::{self, Lasts, Mark, Told};
 use super::rows::Rows;
 use super::time_name::{self, Guess};
 use super::twins;
@@ -54,6 +55,8 @@ pub(super) struct Layout {
     /// Columns that are times.
     pub(super) clocks: Vec<(usize, Clock)>,
     pub(super) about: About,
+    /// The length that the file tells of itself.
+    pub(super) lasts: Option<Lasts>,
     /// The line before the rows of a text whose commas separate cells and decimals.
     pub(super) both_commas: Option<usize>,
 }
@@ -144,11 +147,24 @@ impl Layout {
         let mut about = About::default();
         let is_empty = |k: &usize| of_rows.iter().all(|row| row[*k].is_empty());
         let used = (0..cells).rev().find(|k| !is_empty(k)).map_or(cells, |last| last + 1);
-        let head = Head::of((content, comments), rows, used);
+        let is_settled = decimal_comma || form.decimal.is_some() || any(is_decimal_point);
+        let mark = match (is_settled, decimal_comma) {
+            (true, true) => Mark::Comma,
+            (true, false) => Mark::Point,
+            (false, _) => Mark::Unknown,
+        };
+        let head = Head::of((content, comments), rows, (used, mark));
         head.doubts(content, first, &mut about);
-        about.step_s = head.step_s;
+        let (told, lasts) = match head.step_s {
+            Some(step) => (Told::of_header(step), None),
+            None => preamble::told(&content[..first], comments, mark),
+        };
         let mut names = head.names;
         names.resize(cells, String::new());
+        // LabVIEW keeps the column of times that it does not write.
+        if is_empty(&0) && names[0].eq_ignore_ascii_case("X_Value") {
+            names[0].clear();
+        }
         let own = Self {
             separator,
             decimal_comma,
@@ -159,6 +175,7 @@ impl Layout {
             first: content[first].before,
             clocks: vec![],
             about,
+            lasts: None,
             both_commas: both_commas(rows, (content, &of_rows)),
         };
         let mut own = own.with_clocks(&of_rows);
@@ -167,13 +184,23 @@ impl Layout {
             Some(time) => {
                 own.find_twins(&of_rows, time, content[first].before);
                 own.about.fraction = fraction::of(&own.names, &of_rows, time, |cell| own.number(cell));
+                let times: Vec<f64> =
+                    of_rows.iter().take(TIMES).map_while(|row| own.seconds(time, row[time])).collect();
+                let fits = own.about.fraction.is_none() && times.len() > SETTLED;
+                own.about.notes.extend(told.beside(&own.names[time], &times).filter(|_| fits));
             }
-            None if own.about.step_s.is_none() => {
-                own.about.step_s = preamble::step_s(&content[..first], comments, &mut own.about);
-            }
-            None => {}
+            None => (own.about.step_s, own.lasts) = (told.step_s(&mut own.about.notes), lasts),
         }
         own
+    }
+
+    /// The time in a cell of a column, s.
+    fn seconds(&self, place: usize, cell: &str) -> Option<f64> {
+        let unit_s = || time_name::seconds(&self.names[place]).unwrap_or(1.0);
+        match self.clocks.iter().find(|(clock, _)| *clock == place) {
+            Some((_, clock)) => clock.seconds(cell, self.decimal_comma),
+            None => Some(self.number(cell)? * unit_s()),
+        }
     }
 
     /// Finds the columns that repeat the time for each channel, and those that have other times.

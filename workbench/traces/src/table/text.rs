@@ -60,6 +60,7 @@ impl Text {
         }
         let mut own = Self { content, layout };
         own.leave_out_end(path)?;
+        own.check_length(path)?;
         let of_layout = std::mem::take(&mut own.layout.about);
         let notes = std::mem::take(&mut about.notes);
         *about = About { notes: [notes, of_layout.notes.clone()].concat(), ..of_layout };
@@ -116,6 +117,22 @@ impl Text {
         match &mut self.content {
             Content::Whole(text) => text.truncate(text.len() - cut),
             Content::Large(_, bytes) => *bytes -= cut as u64,
+        }
+        Ok(())
+    }
+
+    /// Takes no rate by which the rows do not last as long as the file says.
+    fn check_length(&mut self, path: &Path) -> Result<(), Error> {
+        let (Some(lasts), Some(step_s)) = (self.layout.lasts, self.layout.about.step_s) else { return Ok(()) };
+        let text = match &self.content {
+            Content::Whole(text) => Cow::Borrowed(text),
+            Content::Large(..) => Cow::Owned(whole(path)?.0),
+        };
+        let is_row = |line: &&str| !line.trim().is_empty() && self.layout.comment != line.bytes().next();
+        let rows = text.lines().skip(self.layout.first).filter(is_row).count();
+        if let Some(why) = lasts.contradicts(1.0 / step_s, rows) {
+            self.layout.about.step_s = None;
+            self.layout.about.notes.push(why);
         }
         Ok(())
     }
