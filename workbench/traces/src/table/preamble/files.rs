@@ -134,7 +134,7 @@ fn doubts_leave_the_rate_and_are_said() {
         ("Sample rate,8 kFoo", "its unit is not known"),
         ("Sample rate,12,5 kHz", "a comma in it"),
         ("Sample rate,8000 Hz\nDecimation,4\nDownsampling,2", "by different numbers"),
-        ("Sample rate,8000 Hz\nDecimation,some", "its divisor is not understood"),
+        ("Sample rate,8000 Hz\nDecimation,some", "by an unknown number"),
     ] {
         let (rate, _, told) = of_text("m.csv", &english(lines));
         assert!(rate.is_none() && told.contains(said) && told.contains("--rate-hz"), "{lines}: {rate:?} {told}");

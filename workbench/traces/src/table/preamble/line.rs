@@ -50,9 +50,10 @@ pub(super) fn says(line: &str, mark: Mark) -> Option<(Says, bool)> {
         let says = match own {
             Kind::DecimalMark => decimals(rest),
             Kind::Divisor => divisor(rest, mark, unit),
+            Kind::Skipped => skipped(rest),
             _ => quantity(own, values(rest, mark), unit, mark),
         }?;
-        Some((says, is_final(&folded(key)) || own == Kind::Divisor))
+        Some((says, is_final(&folded(key)) || matches!(own, Kind::Divisor | Kind::Skipped)))
     });
     by_key.or_else(|| Some((every(text, mark)?, false)))
 }
@@ -212,6 +213,15 @@ fn divisor(rest: &str, mark: Mark, unit: Option<Scale>) -> Option<Says> {
     says.or(Some(Says::Unclear("its divisor is not understood")))
 }
 
+/// Samples that are left out: of so many one is a row, or of one more.
+fn skipped(rest: &str) -> Option<Says> {
+    let digits: String = rest.chars().filter(char::is_ascii_digit).collect();
+    match digits.as_str() {
+        "" | "0" => None,
+        _ => Some(Says::Unclear("its divisor is not understood")),
+    }
+}
+
 /// By a sentence such as `recorded every 4th sample`, or `every 125 us`.
 fn every(text: &str, mark: Mark) -> Option<Says> {
     const EVERY: [&str; 9] = ["every", "each", "jede", "jeder", "jeden", "jedes", "alle", "chaque", "les"];
@@ -250,7 +260,7 @@ mod tests {
     #[test]
     fn rates_and_steps_are_read_in_any_notation() {
         use Mark::{Comma, Point, Unknown};
-        let cases: [(&str, Mark, &[f64]); 44] = [
+        let cases: [(&str, Mark, &[f64]); 47] = [
             ("Sample Rate,2000", Unknown, &[2000.0]),
             (";Sample rate,100000", Unknown, &[1e5]),
             ("# fs = 20 kHz", Unknown, &[2e4]),
@@ -280,6 +290,7 @@ mod tests {
             ("Abtastrate in kHz;19,2", Comma, &[19_200.0]),
             ("Rate 2.5 kS/s, filter on", Point, &[2500.0]),
             ("Zykluszeit;125 µs", Comma, &[8000.0]),
+            ("Control cycle time: 125 us", Comma, &[8000.0]),
             ("Sampling: 10 kSa/s", Unknown, &[1e4]),
             ("dt = 1/8000 s", Unknown, &[8000.0]),
             ("recorded every 125 us", Unknown, &[8000.0]),
@@ -297,6 +308,8 @@ mod tests {
             ("Sample Rate,unknown", Unknown, &[]),
             ("Sample rate;2000;8000", Unknown, &[]),
             ("Sample rate;8 kFoo", Unknown, &[]),
+            ("Sample rate: 8000 Hz / 4", Unknown, &[]),
+            ("Sample rate: ~8000 Hz", Unknown, &[]),
         ];
         for (line, mark, expected) in cases {
             let all = rates_of(line, mark);
@@ -319,6 +332,8 @@ mod tests {
             ("Downsampling;off", Some(Says::Divisor(1))),
             ("Decimation;two", Some(Says::Unclear("its divisor is not understood"))),
             ("Downsampling;On", None),
+            ("Skip samples;3", Some(Says::Unclear("its divisor is not understood"))),
+            ("Skip samples;0", None),
             ("Messdauer;2,5 s", Some(Says::Lasts(Number { value: 2.5, half: 0.05 }))),
             ("Duration,5", None),
             ("Decimal_Separator\t,", Some(Says::Decimals(Mark::Comma))),

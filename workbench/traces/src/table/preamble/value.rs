@@ -92,6 +92,11 @@ fn of_cells(cells: &[&str], mark: Mark) -> Result<Vec<Value>, &'static str> {
         if cell.is_empty() {
             continue;
         }
+        if all.is_empty()
+            && ["~", "≈", "ca.", "ca ", "approx", "about ", "etwa "].iter().any(|near| cell.starts_with(near))
+        {
+            return Err("it is only near");
+        }
         let (numbers, behind) = readings(cell, mark);
         // A date or a time of the day.
         let is_date = behind.starts_with([':', '/', '-']) && begins_with_number(&behind[1..]);
@@ -109,6 +114,9 @@ fn of_cells(cells: &[&str], mark: Mark) -> Result<Vec<Value>, &'static str> {
             (next, "")
         } else {
             match unit_of(behind) {
+                Some((_, further)) if further.starts_with(['/', '÷', '*', '×', ':']) => {
+                    return Err("it is divided or multiplied");
+                }
                 Some((unit, further)) => (Some(unit), further),
                 // The value of the next channel.
                 None if behind.starts_with(|c: char| c.is_ascii_digit()) => (None, behind),

@@ -20,6 +20,8 @@ pub(super) enum Kind {
     Period,
     /// Of so many samples one is a row.
     Divisor,
+    /// So many samples are left out, or one of so many is a row.
+    Skipped,
     /// How long the recording is.
     Duration,
     /// The decimal mark.
@@ -57,8 +59,12 @@ const DURATION: &str = "\
 const DIVISORS: &str = "\
     downsampl undersampl subsampl decimat dezim divider divisor prescal teiler unterabtast untersetz \
     diviseur sousechantillon submuestr sottocampion 間引 分周 抽取 降采样 everyn nthsample jedern recordevery \
-    logevery";
-const OF_SIGNALS: &str = "volt spannung strom current tension courant encoder verteiler";
+    logevery reductionfactor reduktionsfaktor datareduction datenreduktion";
+const SKIPPED: &str = "skip gap lucke auslass ausgelassen";
+const OF_SIGNALS: &str = "\
+    volt spannung strom current tension courant encoder verteiler filter order ordnung delay trigger type";
+/// Stems of the cycle of a control, in which its rows are recorded if nothing divides it.
+const CYCLES: &str = "cycletime zykluszeit taktzeit reglertakt regeltakt tempsdecycle サイクルタイム";
 /// Stems of keys that tell another time or rate.
 const OTHERS: &str = "\
     start trigger filter cutoff grenz max baud pwm messag delay stamp setpoint count anzahl";
@@ -86,11 +92,14 @@ pub(super) fn kind(key: &str) -> Option<Kind> {
     if matches!(key, "decimalseparator" | "decimalmark" | "decimalpoint" | "dezimaltrennzeichen") {
         return Some(Kind::DecimalMark);
     }
+    if has(DIVISORS) {
+        return (!has(OF_SIGNALS)).then_some(Kind::Divisor);
+    }
     if key.is_empty() || has(OTHERS) {
         return None;
     }
-    if has(DIVISORS) {
-        return (!has(OF_SIGNALS)).then_some(Kind::Divisor);
+    if has(SKIPPED) && (has(SAMPLING) || has(RECORDING)) {
+        return Some(Kind::Skipped);
     }
     let alone = [
         (RATES, Kind::Rate),
@@ -104,6 +113,9 @@ pub(super) fn kind(key: &str) -> Option<Kind> {
     }
     // Data that were sampled at …
     if SENTENCES.split(' ').any(|end| key.ends_with(end)) {
+        return Some(Kind::ByUnit);
+    }
+    if has(CYCLES) {
         return Some(Kind::ByUnit);
     }
     let (sampling, recording) = (has(SAMPLING), has(RECORDING));
@@ -235,9 +247,11 @@ mod tests {
             ("Messdauer|Recording time|Durée|Record length|Total sampling time|Acquisition time", Some(Kind::Duration)),
             ("Sampling|Sampled at", Some(Kind::ByUnit)),
             ("Period|Trace period", Some(Kind::Period)),
+            ("Skip samples|Recording gap", Some(Kind::Skipped)),
+            ("Control cycle time|Reglertakt", Some(Kind::ByUnit)),
             (
                 "Rated speed|Sample start time|Max sample rate|Baud rate|PWM frequency|Voltage divider|Samples ok|Note|\
-                 Time|Message rate|Sample count|Current|Messspannung|Number of samples",
+                 Time|Message rate|Decimation filter order|Sample count|Current|Messspannung|Number of samples",
                 None,
             ),
         ] {
