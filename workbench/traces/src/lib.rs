@@ -20,6 +20,7 @@
 //! | [`units`] | units, by the names of columns |
 //! | `temperature` | temperatures, by the names of columns |
 //! | `turning` | the units of angle and velocity, by names and by values |
+//! | `usual_rate` | the usual rate that rounded times allow |
 //! | [`resample`] | irregular times → a constant rate |
 //! | [`given`] | labels, front end and traces that settings name |
 //! | [`audit`] | what recordings are worth |
@@ -44,6 +45,7 @@ mod temperature;
 mod time;
 mod turning;
 pub mod units;
+mod usual_rate;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

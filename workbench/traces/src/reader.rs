@@ -55,8 +55,8 @@ fn read_rows(
     wanted: &(dyn Fn(&str) -> bool + Sync),
     rows_of: fn(Part) -> Given,
 ) -> Result<Vec<Trace>, Error> {
-    let time = channels.time.as_deref();
-    let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
+    let times = (channels.time.as_deref(), channels.rate_hz);
+    let (signals, parts) = parts(table, times, &|header| header.signals(channels), wanted)?;
     let trace = |mut part: Part| assemble(std::mem::take(&mut part.id), channels, &signals, rows_of(part));
     parts.into_iter().map(trace).collect()
 }
@@ -72,7 +72,7 @@ pub struct Series {
     pub columns: Vec<Vec<f64>>,
 }
 
-/// Reads channels of each trace of a table; `rate_hz` stands for the time of a table without one.
+/// Reads channels of each trace of a table; `rate_hz` stands for the time of a table without a column of times.
 pub fn series(
     table: &Table,
     (time, rate_hz): (Option<&str>, Option<f64>),
@@ -90,7 +90,7 @@ pub fn series(
         };
         channels.iter().map(parse).collect()
     };
-    let (signals, parts) = parts(table, time, &signals, &|_| true)?;
+    let (signals, parts) = parts(table, (time, rate_hz), &signals, &|_| true)?;
     let each = |part: Part| {
         let Part { id, columns, times_s, .. } = part;
         let rows = rows_of(&columns, times_s.as_deref());
@@ -162,10 +162,10 @@ impl Part {
     }
 }
 
-/// Reads the columns of signals, one part for each trace.
+/// Reads the columns of signals, one part for each trace; a given rate stands for the one that the file tells.
 fn parts(
     table: &Table,
-    time: Option<&str>,
+    (time, rate_hz): (Option<&str>, Option<f64>),
     signals: &dyn Fn(&Header) -> Result<Vec<Signal>, String>,
     wanted: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<(Vec<Signal>, Vec<Part>), Error> {
@@ -181,7 +181,7 @@ fn parts(
     }
     let signals = signals(&header).map_err(wrong)?;
     let needed = places_of(&signals);
-    let row_times = RowTimes { table, header: &header, asked: time };
+    let row_times = RowTimes { table, header: &header, asked: time, rate_hz };
     row_times.check_first_rows()?;
     let mut places: Vec<usize> = header.time().into_iter().chain(needed.iter().copied()).collect();
     if let Some(name) = header.doubled(&places) {

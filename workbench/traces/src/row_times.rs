@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! time column ─► seconds ─► + part of a second ─► counters go on, rounded times on a line ─► checks
-//! no time     ─► the step that the file tells, if there is one
+//! no time     ─► the step that the file tells, if there is one and no rate is given
 //! ```
 
 use std::collections::BTreeMap;
@@ -20,6 +20,8 @@ pub(super) struct RowTimes<'a> {
     pub(super) header: &'a Header,
     /// The column that was asked for.
     pub(super) asked: Option<&'a str>,
+    /// The rate that was given.
+    pub(super) rate_hz: Option<f64>,
 }
 
 /// Number of rows, also where signals need no column.
@@ -97,7 +99,7 @@ impl RowTimes<'_> {
             Some(times)
         });
         let times = times.map(|times| self.with_fraction(times, columns, (needed, place_of_row))).transpose()?;
-        let told_step = self.table.about().step_s.filter(|_| self.asked.is_none());
+        let told_step = self.table.about().step_s.filter(|_| self.asked.is_none() && self.rate_hz.is_none());
         let by_row = |step: f64| (0..rows_of(columns, None)).map(|row| row as f64 * step).collect();
         let Some(mut times) = times.or_else(|| told_step.map(by_row)) else { return Ok(None) };
         if let Some((place, factor)) = self.header.time {

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 /// Extensions of the files that can be read, or of which is said why not.
-const EXTENSIONS: [&str; 15] = [
-    "csv", "tsv", "txt", "dat", "mat", "h5", "hdf5", "parquet", "arrow", "arrows", "feather", "npy", "npz", "tdms",
-    "xlsx",
+const EXTENSIONS: [&str; 16] = [
+    "csv", "tsv", "txt", "dat", "lvm", "mat", "h5", "hdf5", "parquet", "arrow", "arrows", "feather", "npy", "npz",
+    "tdms", "xlsx",
 ];
 /// Extensions of compressed text.
 const COMPRESSED: [&str; 2] = ["gz", "zst"];
@@ -56,6 +56,7 @@ mod tests {
             ("a.b.csv.gz", "a.b"),
             ("a.txt.ZST", "a"),
             ("a.mat", "a"),
+            ("a.lvm", "a"),
             ("a.parquet", "a"),
             ("a.gz", "a.gz"),
             ("a.log", "a.log"),

@@ -141,6 +141,11 @@ pub(super) fn is_decimal_comma(cell: &str) -> bool {
     one || cell.contains(',') && plainly_grouped(cell, true).is_some()
 }
 
+/// The same of a decimal point.
+pub(super) fn is_decimal_point(cell: &str) -> bool {
+    cell.contains('.') && !cell.contains(',') && is_decimal_comma(&cell.replace('.', ","))
+}
+
 /// The number in a cell with marks between thousands, such as 12,345.6 or, with a decimal comma, 12.345,6.
 pub(super) fn grouped(cell: &str, decimal_comma: bool) -> Option<f64> {
     let (group, point) = if decimal_comma { ('.', ',') } else { (',', '.') };

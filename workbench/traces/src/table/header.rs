@@ -3,7 +3,7 @@
 use super::about::About;
 use super::cells::{Kind, Line, are_places, bare, clean, kind, split, with_unit};
 use super::keyed;
-use super::preamble;
+use super::preamble::{self, Mark};
 use super::rows::Rows;
 use super::twins;
 use crate::units::Unit;
@@ -23,7 +23,11 @@ pub(super) struct Head {
 
 impl Head {
     /// The header of rows of which the first `used` columns are not empty.
-    pub(super) fn of((content, comments): (&[Line<'_>], &[Line<'_>]), rows: &Rows, used: usize) -> Self {
+    pub(super) fn of(
+        (content, comments): (&[Line<'_>], &[Line<'_>]),
+        rows: &Rows,
+        (used, mark): (usize, Mark),
+    ) -> Self {
         let cells = |place: usize| content.get(place).map(|line| split(line.text, rows.separator));
         let of_place = |place: Option<usize>, counts: bool| {
             place.and_then(|place| Some((place, fitting(cells(place)?, [used, rows.cells], counts)?)))
@@ -61,8 +65,10 @@ impl Head {
         }
         let step_s = units
             .as_ref()
-            .and_then(|units| increment(&all, units))
-            .or_else(|| told_increment(&all[used.min(all.len())..]));
+            .and_then(|units| increment(&all, units, mark))
+            .or_else(|| all[used.min(all.len())..].iter().find_map(|cell| preamble::of_cell(cell, mark)));
+        // Also in a line above the names.
+        let units = units.or_else(|| keyed::units(&content[..rows.first], rows.separator, used));
         let unit = |k: usize| units.as_ref().and_then(|units| units.get(k)).map(|unit| bare(unit));
         let named = |(k, name): (usize, &String)| {
             unit(k).map_or_else(|| name.clone(), |unit| with_unit(name, long_unit(unit).unwrap_or(unit)))
@@ -141,11 +147,6 @@ fn counts(content: &[Line<'_>], rows: &Rows) -> bool {
     }
 }
 
-/// The step of the time, s, by a cell behind the names such as `tInc = 4.0e-06`.
-fn told_increment(cells: &[String]) -> Option<f64> {
-    cells.iter().find_map(|cell| preamble::of_line(cell))
-}
-
 /// Units of oscilloscopes in words.
 fn long_unit(unit: &str) -> Option<&'static str> {
     match unit.to_lowercase().as_str() {
@@ -169,8 +170,8 @@ fn is_units(cells: &[&str], used: usize) -> bool {
 }
 
 /// The step of the time, s, by the columns Start and Increment of a header and the numbers below them.
-fn increment(names: &[String], units: &[&str]) -> Option<f64> {
+fn increment(names: &[String], units: &[&str], mark: Mark) -> Option<f64> {
     let place = |wanted: &[&str]| names.iter().position(|name| wanted.contains(&name.to_lowercase().as_str()));
-    let step = units.get(place(&["increment", "tinc", "delta t", "dt"])?)?.parse::<f64>().ok();
-    place(&["start", "t0"]).and(step).filter(|step| *step > 0.0)
+    let step = units.get(place(&["increment", "tinc", "delta t", "dt"])?)?;
+    place(&["start", "t0"]).and(preamble::of_cell(&format!("dt={step}"), mark))
 }

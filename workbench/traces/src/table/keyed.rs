@@ -28,6 +28,14 @@ pub(super) fn first_row(all: &[Vec<&str>], first: usize) -> usize {
     behind.filter(|behind| is_keyed && all[*behind..].iter().all(begins_empty)).unwrap_or(first)
 }
 
+/// The units of columns by a line before the rows that begins with what it says, such as `Y_Unit_Label` of LabVIEW.
+pub(super) fn units<'a>(before: &[Line<'a>], separator: u8, used: usize) -> Option<Vec<&'a str>> {
+    before.iter().map(|line| split(line.text, separator)).find(|cells| {
+        let count = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+        used > 1 && count == used && UNITS.iter().any(|part| key(cells[0]).contains(part))
+    })
+}
+
 /// The place of the names, and the names of all columns with their units, of rows from the line `first` on; `None` of
 /// rows that begin with a value, or without a line of names.
 pub(super) fn names(

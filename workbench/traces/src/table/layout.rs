@@ -13,12 +13,13 @@
 
 use super::about::About;
 use super::cells::{
-    Line, clean, grouped, is_decimal_comma, lines, plain_number, plainly_grouped, split, start_of_line, truth,
+    Line, clean, grouped, is_decimal_comma, is_decimal_point, lines, plain_number, plainly_grouped, split,
+    start_of_line, truth,
 };
 use super::clock::Clock;
 use super::fraction;
 use super::header::Head;
-use super::preamble;
+use super::preamble::{self, Lasts, Mark, Told};
 use super::rows::Rows;
 use super::time_name::{self, Guess};
 use super::twins;
@@ -54,6 +55,8 @@ pub(super) struct Layout {
     /// Columns that are times.
     pub(super) clocks: Vec<(usize, Clock)>,
     pub(super) about: About,
+    /// The length that the file tells of itself.
+    pub(super) lasts: Option<Lasts>,
     /// The line before the rows of a text whose commas separate cells and decimals.
     pub(super) both_commas: Option<usize>,
 }
@@ -132,26 +135,25 @@ impl Layout {
         let Rows { separator, cells, first, .. } = *rows;
         let of_rows: Vec<Vec<&str>> =
             content[first..].iter().map(|line| split(line.text, separator)).filter(|row| row.len() == cells).collect();
-        let any = |wanted: fn(&str) -> bool| of_rows.iter().flatten().any(|cell| wanted(cell));
-        let decimal_comma = match form.decimal {
-            Some(mark) => mark == Decimal::Comma,
-            // Beside commas that separate cells, such a number is quoted, and no other one has a point.
-            None if separator == b',' => {
-                any(is_decimal_comma) && !any(|cell| cell.contains('.') && plain_number(cell).is_some())
-            }
-            None => any(is_decimal_comma),
-        };
+        let mark = mark(&of_rows, separator, form.decimal);
         let mut about = About::default();
         let is_empty = |k: &usize| of_rows.iter().all(|row| row[*k].is_empty());
         let used = (0..cells).rev().find(|k| !is_empty(k)).map_or(cells, |last| last + 1);
-        let head = Head::of((content, comments), rows, used);
+        let head = Head::of((content, comments), rows, (used, mark));
         head.doubts(content, first, &mut about);
-        about.step_s = head.step_s;
+        let (told, lasts) = match head.step_s {
+            Some(step) => (Told::of_header(step), None),
+            None => preamble::told(&content[..first], comments, mark),
+        };
         let mut names = head.names;
         names.resize(cells, String::new());
+        // LabVIEW keeps the column of times that it does not write.
+        if is_empty(&0) && names[0].eq_ignore_ascii_case("X_Value") {
+            names[0].clear();
+        }
         let own = Self {
             separator,
-            decimal_comma,
+            decimal_comma: mark == Mark::Comma,
             thousands: form.decimal.is_some(),
             comment,
             names,
@@ -159,21 +161,36 @@ impl Layout {
             first: content[first].before,
             clocks: vec![],
             about,
+            lasts: None,
             both_commas: both_commas(rows, (content, &of_rows)),
         };
-        let mut own = own.with_clocks(&of_rows);
-        let is_time = |k: usize| time_name::usual(&own.names[k]).is_some() && !own.about.counters.contains(&k);
-        match (0..cells).find(|k| is_time(*k)).or_else(|| own.about.clocks.first().copied()) {
-            Some(time) => {
-                own.find_twins(&of_rows, time, content[first].before);
-                own.about.fraction = fraction::of(&own.names, &of_rows, time, |cell| own.number(cell));
-            }
-            None if own.about.step_s.is_none() => {
-                own.about.step_s = preamble::step_s(&content[..first], comments, &mut own.about);
-            }
-            None => {}
+        own.with_clocks(&of_rows).with_rate(&of_rows, content[first].before, (told, lasts))
+    }
+
+    /// Compares the column of times with others and with the rate that is told, or takes this rate if there is none.
+    fn with_rate(mut self, rows: &[Vec<&str>], before: usize, (told, lasts): (Told, Option<Lasts>)) -> Self {
+        let is_time = |k: usize| time_name::usual(&self.names[k]).is_some() && !self.about.counters.contains(&k);
+        let time = (0..self.names.len()).find(|k| is_time(*k)).or_else(|| self.about.clocks.first().copied());
+        let Some(time) = time else {
+            (self.about.step_s, self.lasts) = (told.step_s(&mut self.about.notes), lasts);
+            return self;
+        };
+        self.find_twins(rows, time, before);
+        self.about.fraction = fraction::of(&self.names, rows, time, |cell| self.number(cell));
+        let times: Vec<f64> = rows.iter().take(TIMES).map_while(|row| self.seconds(time, row[time])).collect();
+        let fits = self.about.fraction.is_none() && times.len() > SETTLED;
+        self.about.notes.extend(told.beside(&self.names[time], &times).filter(|_| fits));
+        self
+    }
+
+    /// The time in a cell of a column, s.
+    fn seconds(&self, place: usize, cell: &str) -> Option<f64> {
+        let name = &self.names[place];
+        let unit_s = || time_name::usual(name).flatten().or_else(|| time_name::seconds(name)).unwrap_or(1.0);
+        match self.clocks.iter().find(|(clock, _)| *clock == place) {
+            Some((_, clock)) => clock.seconds(cell, self.decimal_comma),
+            None => Some(self.number(cell)? * unit_s()),
         }
-        own
     }
 
     /// Finds the columns that repeat the time for each channel, and those that have other times.
@@ -303,6 +320,21 @@ impl Layout {
     }
 }
 
+/// The decimal mark that is given, or that the rows show.
+fn mark(rows: &[Vec<&str>], separator: u8, given: Option<Decimal>) -> Mark {
+    let any = |wanted: fn(&str) -> bool| rows.iter().flatten().any(|cell| wanted(cell));
+    // Beside commas that separate cells, such a number is quoted, and no other one has a point.
+    let is_comma = || {
+        any(is_decimal_comma) && (separator != b',' || !any(|cell| cell.contains('.') && plain_number(cell).is_some()))
+    };
+    match given {
+        Some(Decimal::Comma) => Mark::Comma,
+        None if is_comma() => Mark::Comma,
+        None if !any(is_decimal_point) => Mark::Unknown,
+        _ => Mark::Point,
+    }
+}
+
 /// The last line of half as many names as the rows have cells, if these are whole numbers between commas.
 fn both_commas(rows: &Rows, (content, of_rows): (&[Line<'_>], &[Vec<&str>])) -> Option<usize> {
     let is_whole = |cell: &&str| cell.trim_start_matches('-').bytes().all(|byte| byte.is_ascii_digit());
@@ -313,165 +345,4 @@ fn both_commas(rows: &Rows, (content, of_rows): (&[Line<'_>], &[Vec<&str>])) -> 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn of(text: &str) -> Layout {
-        Layout::of(text, &TextForm::default())
-    }
-
-    fn layout(text: &str) -> (char, bool, Vec<String>, usize) {
-        let Layout { separator, decimal_comma, names, first, .. } = of(text);
-        (char::from(separator), decimal_comma, names, first)
-    }
-
-    fn expect(text: &str, (separator, decimal_comma, names, first): (char, bool, &str, usize)) {
-        let names = names.split(' ').map(String::from).collect();
-        assert_eq!(layout(text), (separator, decimal_comma, names, first), "{text}");
-    }
-
-    #[test]
-    fn separators_and_decimal_commas_are_told_apart() {
-        expect("t,i\n0.1,2.5\n", (',', false, "t i", 1));
-        expect("t;i\n0,1;2,5\n0,2;1\n", (';', true, "t i", 1));
-        expect("t;i\n0.1;2.5\n", (';', false, "t i", 1));
-        expect("t\ti\n0,1\t2,5\n", ('\t', true, "t i", 1));
-        expect("t  i\n0.1   2.5\n", (' ', false, "t i", 1));
-        expect("t,i\n0,x\n1,2\n2,3\n", (',', false, "t i", 1));
-        expect("t,i,late\n0,1,\n1,2,\n", (',', false, "t i late", 1));
-        expect("\"a;b\",i\n1,2\n", (',', false, "a;b i", 1));
-        expect("only\n1.5\n", (',', false, "only", 1));
-        expect("t;n\n0,5;2,000\n1,5;3,000\n", (';', true, "t n", 1));
-        expect("n;k\n2,000;1\n3,000;2\n", (';', false, "n k", 1));
-        // A short row leaves the separator of the header.
-        assert_eq!(layout("a,b,c\n1,2\n").0, ',');
-        assert_eq!(layout("").0, ',');
-    }
-
-    #[test]
-    fn headers_are_lines_comments_or_missing() {
-        expect("# logger 3\n# t, i\n0.1,2\n0.2,3\n", (',', false, "t i", 2));
-        expect("% logger 3\nt,i\n0.1,2\n", (',', false, "t i", 2));
-        expect("# logger 3\n0.1 2 7\n0.2 3 8\n", (' ', false, "c1 c2 c3", 1));
-        expect("1,2\n3,4\n", (',', false, "c1 c2", 0));
-        expect("0,1,2\n0.5,2.5,7\n0.6,2.5,7\n", (',', false, "0 1 2", 1));
-        expect("a b\n1 0.5 7\n2 0.6 8\n3 0.7 9\n", (' ', false, "row a b", 1));
-        assert_eq!(layout("\"t\n(s)\",i\n1,2\n3,4\n"), (',', false, vec!["t (s)".to_string(), "i".into()], 2));
-    }
-
-    fn rows(row: impl Fn(usize) -> String) -> String {
-        (0..40).map(row).collect()
-    }
-
-    #[test]
-    fn a_time_may_be_told_by_its_unit_alone() {
-        let data = rows(|k| format!("{},{}.5,{}\n", -0.02 + k as f64 / 1e3, k % 7, k % 5));
-        for head in
-            ["x-axis,1,2\nsecond,Volt,Ampere\n", "in s,C1 in V,C2 in A\n", "Source,CH1,CH2\nSecond,Value,Value\n"]
-        {
-            let found = of(&format!("{head}{data}"));
-            assert_eq!(found.about.clocks, [0], "{head}");
-            assert!(found.about.notes[0].contains("has a unit of time"), "{:?}", found.about.notes);
-        }
-        let falls = rows(|k| format!("{}.5,{}\n", 7 - k % 7, k % 5));
-        assert!(of(&format!("delay [ms],i\n{falls}")).about.clocks.is_empty());
-    }
-
-    #[test]
-    fn a_second_time_of_another_rate_is_found() {
-        let slow = |name: &str| {
-            let data = rows(|k| format!("{:.3};1,5;{:.2};20,1\n", k as f64 / 1e3, k as f64 / 1e2).replace('.', ","));
-            of(&format!("Time 1 - fast [s];i [A];{name};T\n{data}")).about.other_times
-        };
-        assert_eq!((slow("Time 2 - slow [s]"), slow("on [s]")), (Some((2, 3)), None));
-    }
-
-    #[test]
-    fn names_are_found_by_their_keys_and_above_the_name_of_the_first_column() {
-        let data = rows(|k| format!("\"\",{}.5,{}\n", k % 7, k % 5));
-        let found =
-            of(&format!("\"TraceName\",\"i\",\"n\"\n\"VUnit\",\"A\",\"rpm\"\n\"SampleRate\",2000,2000\n{data}"));
-        assert_eq!((found.names.join("|"), found.about.step_s), ("|i [A]|n [rpm]".into(), Some(5e-4)));
-        let data = rows(|k| format!("{},{}.5,{}\n", k as f64 / 1e3, k % 7, k % 5));
-        let found = of(&format!("signal,i,n\nunit,A,rpm\nt_s,,\n{data}"));
-        assert_eq!((found.names.join("|"), found.first), ("t_s|i [A]|n [rpm]".into(), 3));
-        // Words of a boot are no names.
-        let data = rows(|k| format!("{},{}.5,{}\n", 533 + 2 * k, k % 7, k % 5));
-        assert!(of(&format!("sensor ok, starting\n{data}")).header.is_empty());
-    }
-
-    #[test]
-    fn commas_that_separate_and_are_decimal_are_refused_but_not_in_quotes() {
-        let data = rows(|k| format!("0,0{k:02},1,{}\n", k % 7));
-        assert_eq!(of(&format!("t,i\n{data}")).both_commas, Some(1));
-        let quoted = of(&format!("t,i\n{}", rows(|k| format!("\"0,00{k:02}\",\"1,{}\"\n", k % 7))));
-        assert_eq!((quoted.both_commas, quoted.decimal_comma, quoted.number("1,5")), (None, true, Some(1.5)));
-    }
-
-    #[test]
-    fn lines_before_the_header_and_units_are_understood() {
-        assert_eq!(of("t_s;i\ns;A\n0.0;1\n0.5;2\n").names, ["t_s", "i [A]"]);
-        let units = of("Time;Current;Speed\n[s];[A];[rpm]\n0.000;0.1;1000.2\n0.001;1.1;1001.2\n");
-        assert_eq!((units.names.join("|"), units.first), ("Time [s]|Current [A]|Speed [rpm]".into(), 2));
-        let text = "Logger,3\nSample Rate,2000\nNote,a,b,c\n0,0.5,0.2\n1,1.5,1.2\n2,2.5,2.2\n";
-        let found = of(text);
-        assert_eq!(
-            (found.names.join("|"), found.first, found.about.step_s),
-            ("c1|c2|c3".into(), 3, Some(1.0 / 2000.0))
-        );
-        assert_eq!(found.about.omitted[0].place, "lines 1 to 3");
-        let scope = "X,CH1,Start,Increment,\nSequence,Volt,-1.2e-03,2.0e-06,\n0,0.1,\n1,1.1,\n2,2.1,\n";
-        let found = of(scope);
-        assert_eq!((found.names.join("|"), found.about.step_s), ("X|CH1 [V]|".into(), Some(2e-6)));
-        let marked = ";Device,M2K\n;Sample rate,100000\nSample,Time(S),CH1(V)\n0,0.00000,0.1\n1,0.00001,1.1\n";
-        let found = of(marked);
-        assert_eq!((found.names.join("|"), found.first), ("Sample|Time(S)|CH1(V)".into(), 3));
-        let labview = "LabVIEW Measurement\t\nDelta_X\t0.001\n***End_of_Header***\t\nX_Value\tVoltage\tComment\n0.000\t1.5\n0.001\t2.5\n0.002\t3.5\n";
-        let found = of(labview);
-        assert_eq!((found.names.join("|"), found.first), ("X_Value|Voltage".into(), 4));
-    }
-
-    #[test]
-    fn times_are_told_by_their_cells_and_steps() {
-        let clocks = |text: &str| {
-            let found = of(text);
-            (found.about.clocks.clone(), found.about.notes.len())
-        };
-        assert_eq!(clocks("Datum;t_s;i\n26.10.2022 08:17:00;0,000;0,5\n26.10.2022 08:17:01;0,001;1,5\n"), (vec![0], 0));
-        assert_eq!(clocks("time,i\n1764200000.00000,1\n1764200000.00005,2\n"), (vec![0], 0));
-        assert_eq!(clocks("timestamp,i\n123456789,1\n123457039,2\n"), (vec![0], 1));
-        assert_eq!(clocks("time_ns,i\n1764200000000000000,1\n1764200000000250000,2\n"), (vec![0], 0));
-        assert_eq!(clocks("t_s,i\n0.000,1\n0.001,2\n"), (vec![], 0));
-        assert_eq!(of("time,i\n0,1\n1,2\n2,5\n").about.counters, [0]);
-        let rising: String = (0..20).map(|k| format!("{}.{},7\n", 3104 + k / 10, k % 10)).collect();
-        assert_eq!(clocks(&rising), (vec![0], 1));
-    }
-
-    /// What the content does not tell is given: rows before the header, names and units that look like others, a rare
-    /// separator, marks between thousands.
-    #[test]
-    fn what_is_given_is_not_guessed() {
-        let form = |skip: usize, units_row: bool, separator: &str, decimal: Option<Decimal>| TextForm {
-            skip: Some(skip).filter(|skip| *skip > 0),
-            units_row,
-            separator: separator.parse().ok(),
-            decimal,
-        };
-        let numbers = "3,17\n4,18\n5,19\nt,i\n0,1\n1,2\n2,2\n";
-        let own = Layout::of(numbers, &form(3, false, "", None));
-        assert_eq!((own.names.join("|"), own.first), ("t|i".into(), 4));
-        let units = "7;8\nfoo;bar\n0.5;1\n1.5;2\n2.5;3\n";
-        let own = Layout::of(units, &form(0, true, "", None));
-        assert_eq!((own.names.join("|"), own.first), ("7|8".into(), 2));
-        let own = Layout::of("t~i\n0~1\n1~2\n", &form(0, false, "~", None));
-        assert_eq!((own.names.join("|"), own.separator, own.first), ("t|i".into(), b'~', 1));
-        let own = Layout::of("t i;n\n0;1\n1;2\n", &form(0, false, ",", None));
-        assert_eq!(own.names, ["t i;n"]);
-        let thousands = "t;n\n0;2,000\n1;13,000.5\n2;4\n";
-        let own = Layout::of(thousands, &form(0, false, "", Some(Decimal::Point)));
-        let numbers = ["2,000", "13,000.5", "4", "1,5"].map(|cell| own.number(cell));
-        assert_eq!((own.first, numbers), (1, [Some(2000.0), Some(13_000.5), Some(4.0), None]));
-        let own = Layout::of("t;n\n0;2,000\n1;3,000\n", &form(0, false, "", Some(Decimal::Comma)));
-        assert_eq!(["2,000", "1.000,5"].map(|cell| own.number(cell)), [Some(2.0), Some(1000.5)]);
-    }
-}
+mod tests;

@@ -1,7 +1,7 @@
 //! Files of named columns: text, MATLAB, Parquet, Arrow and NumPy, plain or compressed.
 //!
 //! ```text
-//! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst
+//! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst, and .lvm of LabVIEW
 //! .mat                 MATLAB 4 to 7.3 ([`matlab`])
 //! .parquet             Parquet, .arrow .arrows .feather: Arrow's files and streams ([`arrow`])
 //! .h5 .hdf5            HDF5 ([`hdf5`])

@@ -50,7 +50,9 @@ impl Rows {
         // A line of numbers before the header is followed by others.
         let last = all.len().saturating_sub(2);
         let begins = |first: &usize| fits(&all[*first]) && (*first >= last || fits(&all[*first + 1]));
-        let first = (0..all.len()).find(begins)?;
+        // LabVIEW writes a number for each channel in lines of its header.
+        let header = content.iter().rposition(|line| line.text.starts_with("***End_of_Header***"));
+        let first = (header.map_or(0, |last| last + 1)..all.len()).find(begins)?;
         // A row with a bad cell is no header: its first number says so, and reading names the cell.
         let place = numeric.iter().position(|numeric| *numeric)?;
         let is_row = |row: &Vec<&str>| row.len() == cells && matches!(kind(row[place]), Kind::Number | Kind::Time);

@@ -1,9 +1,8 @@
 //! Columns that are times by their names, and the unit of times without one.
 
 use crate::units::{Quantity, Unit};
+use crate::usual_rate::is_plausible;
 
-/// Rows a second that a recording of a drive may have.
-const PLAUSIBLE_HZ: [f64; 2] = [5.0, 2e6];
 /// Units of times that are tried, and the power of ten of the seconds since 1970 in each.
 const UNITS: [(&str, f64, i32); 4] = [("s", 1.0, 9), ("ms", 1e-3, 12), ("us", 1e-6, 15), ("ns", 1e-9, 18)];
 
@@ -92,7 +91,7 @@ pub(crate) enum Guess {
 
 /// By the first value, the usual step, and whether all are integers.
 pub(crate) fn unit(first: f64, step: f64, integers: bool) -> Guess {
-    let plausible = |unit: f64| (PLAUSIBLE_HZ[0]..=PLAUSIBLE_HZ[1]).contains(&(1.0 / (step * unit)));
+    let plausible = |unit: f64| is_plausible(1.0 / (step * unit));
     let since_1970 = |power: i32| (1.0..=4.0).contains(&(first / 10_f64.powi(power)));
     if let Some((name, unit, _)) = UNITS.iter().find(|(_, unit, power)| since_1970(*power) && plausible(*unit)) {
         return if *unit == 1.0 { Guess::Seconds } else { Guess::Other(*unit, name) };
