@@ -15,6 +15,7 @@
 use std::collections::BTreeMap;
 
 use crate::units::{Unit, known};
+use model::near::among;
 
 /// The time from one row to another, s.
 pub(super) type Elapsed<'a> = &'a dyn Fn(usize, usize) -> f64;
@@ -137,7 +138,7 @@ pub(super) fn values_of(
 
 /// Says that there is no such column.
 pub(super) fn missing(name: &str, names: &[String]) -> String {
-    format!("no column (or difference of columns) {name}; there are {}", names.join(", "))
+    format!("no column (or difference of columns) {name}{}", among(name, names))
 }
 
 fn place(names: &[String], name: &str) -> Option<usize> {

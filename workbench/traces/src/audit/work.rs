@@ -31,6 +31,7 @@ impl Audit {
     /// # Errors
     /// No trace, or channels that cannot be read.
     pub fn audit(&self, files: &[PathBuf], log: &Log<'_>) -> Result<Outcome, Error> {
+        log.warn(self.settings.bearing.bearing.note());
         let step = log.steps("auditing", files.len());
         let each = |file: &PathBuf| {
             let found = self.look(file);
