@@ -13,12 +13,12 @@ pub(super) const SLIP: f64 = 0.022;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Bearing {
-    /// A designation, e.g. 6205, or balls, ball and pitch diameter, contact angle in degrees, e.g. 9,7.94,39.04,0: tracks
-    /// outer and inner race, ball and cage; where training chooses the features, the races alone
+    /// A designation, or balls, ball and pitch diameter, and degrees: 6205, or 9,7.94,39.04,0 with the contact angle in
+    /// degrees. Tracks outer and inner race, ball and cage; where training chooses the features, the races alone
     #[serde(skip_serializing_if = "Geometry::is_empty")]
     #[cfg_attr(
         feature = "schema",
-        schemars(with = "Vec<f64>", extend("x-value" = "BEARING|N,BD,PD,DEG", "x-shaft" = true))
+        schemars(with = "Vec<f64>", extend("x-value" = "BEARING", "x-shaft" = true, "examples" = ["6205"]))
     )]
     pub bearing: Geometry,
     /// Orders to track, events per turn, e.g. outer=3.718,sideband=4.718
