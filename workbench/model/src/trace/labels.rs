@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::near::among;
+use crate::near::{among, did_you_mean};
 use crate::trace::{Recorded, Trace, stem};
 
 /// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
@@ -257,7 +257,8 @@ impl Labels {
         wanted
             .map(|(id, class)| {
                 let trace = by_id.get(id.as_str()).ok_or_else(|| {
-                    let problem = format!("{id} is labelled, but there is no such trace; give its file or folder");
+                    let near = did_you_mean(id, traces.iter().map(|trace| stem(&trace.id)));
+                    let problem = format!("{id} is labelled, but there is no such trace; give its file or folder{near}");
                     Error::content(&self.path, "column trace", problem)
                 })?;
                 Ok(LabelledTrace { trace: (*trace).clone(), class })
