@@ -258,7 +258,8 @@ impl Labels {
             .map(|(id, class)| {
                 let trace = by_id.get(id.as_str()).ok_or_else(|| {
                     let near = did_you_mean(id, traces.iter().map(|trace| stem(&trace.id)));
-                    let problem = format!("{id} is labelled, but there is no such trace; give its file or folder{near}");
+                    let problem =
+                        format!("{id} is labelled, but there is no such trace; give its file or folder{near}");
                     Error::content(&self.path, "column trace", problem)
                 })?;
                 Ok(LabelledTrace { trace: (*trace).clone(), class })
