@@ -4,13 +4,13 @@
 //! "SKF 6205-2RS/C3" ─► maker SKF, 6205, suffixes that change no dimension ─► rows of table.csv
 //! ```
 //!
-//! `table.csv` has a bearing of one maker a row, each with its source. ISO 15 gives bore, outside diameter and width of a
-//! designation; number and size of the rolling elements are each maker's own choice, and the orders with them. The
+//! `table.csv` has a bearing of one maker a row, each with its source. ISO 15 gives bore, outside diameter and width of
+//! a designation; number and size of the rolling elements are each maker's own choice, and the orders with them. The
 //! first row of a designation is taken unless the maker is named.
 //!
 //! Angular contact bearings: C for 15 degrees and AC for 25 degrees, as SKF and ISO have them; other marks of these
-//! angles (CD, ACD, A5, E) are understood. These rows are of spindle bearings, which have more balls than the usual ones
-//! of 40 degrees (B).
+//! angles (CD, ACD, A5, E) are understood. These rows are of spindle bearings, which have more balls than the usual
+//! ones of 40 degrees (B).
 
 use std::sync::OnceLock;
 

@@ -21,8 +21,8 @@ const MOST_RAD: f64 = 1.05;
 const MOST_DEG: f64 = 60.0;
 
 /// What to give.
-const FORM: &str = "give four numbers of its data sheet (number of balls, ball diameter, pitch diameter, contact angle in \
-                    degrees, e.g. 9,7.94,39.04,0), or a designation such as 6205";
+const FORM: &str = "give four numbers of its data sheet (number of balls, ball diameter, pitch diameter, contact angle \
+                    in degrees, e.g. 9,7.94,39.04,0), or a designation such as 6205";
 
 /// A bearing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -169,7 +169,8 @@ fn of_name(name: &str) -> Result<Known, String> {
     let unknown = |near: Vec<&'static str>| {
         let near = if near.is_empty() { String::new() } else { format!(" (did you mean {}?)", near.join(", ")) };
         format!(
-            "{name} is not in the table of bearings{near}: {FORM}; makers' catalogues and their search by designation have them"
+            "{name} is not in the table of bearings{near}: {FORM}; makers' catalogues and their search by designation \
+             have them"
         )
     };
     // A whole number of Python may come as one with a point.
