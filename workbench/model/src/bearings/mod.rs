@@ -173,7 +173,7 @@ fn near(key: &str) -> Vec<&'static str> {
     let mut unique: Vec<&str> = Vec::new();
     near.into_iter().for_each(|own| {
         if !unique.contains(&own) {
-            unique.push(own)
+            unique.push(own);
         }
     });
     unique.truncate(3);

@@ -221,7 +221,7 @@ fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Resu
             return Err(Error::Usage(format!(
                 "--features: no {name} in this model{} (a, b, c, friction, friction_scores, friction_logs, orders stand \
                  for whole groups)",
-                among(name, &names)
+                among(name, names)
             )));
         }
         if places.iter().any(|place| chosen.contains(place)) {

@@ -92,7 +92,7 @@ merges!(Alarm {
 pub fn healthy_class(given: Option<&str>, classes: &[String]) -> Result<Option<usize>, Error> {
     let place = |name: &str| classes.iter().position(|class| class == name.trim());
     let Some(name) = given else { return Ok(HEALTHY_NAMES.iter().find_map(|name| place(name))) };
-    let near = || among(name, &classes);
+    let near = || among(name, classes);
     let unknown = || Error::Usage(format!("--healthy: unknown class {name}{}", near()));
     place(name).map(Some).ok_or_else(unknown)
 }

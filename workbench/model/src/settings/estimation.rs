@@ -58,7 +58,7 @@ impl Model {
         let nominal = match &self.nominal {
             None => healthy.unwrap_or(0),
             Some(name) => classes.iter().position(|class| class == name).ok_or_else(|| {
-                let near = among(name, &classes);
+                let near = among(name, classes);
                 Error::Usage(format!("--nominal: unknown class {name}{near}"))
             })?,
         };

@@ -43,7 +43,7 @@ pub(super) fn costs(asked: &[String], classes: &[String]) -> Result<Vec<Vec<f64>
 }
 
 fn class(classes: &[String], name: &str, option: &str) -> Result<usize, Error> {
-    let near = || among(name, &classes);
+    let near = || among(name, classes);
     let place = classes.iter().position(|class| class == name.trim());
     place.ok_or_else(|| Error::Usage(format!("{option}: unknown class {name}{}", near())))
 }
