@@ -27,7 +27,7 @@ MODEL = {
     "angle": "angle_rad",
     "velocity": "velocity_rad_s",
     "load": "load_torque_nm",
-    "bearing": (9, 3, 17, 0.1745),
+    "bearing": (9, 3, 17, 10),
     "features": ["a", "drag", "order_outer"],
     "false_alarm": 0.05,
 }

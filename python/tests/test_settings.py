@@ -55,3 +55,19 @@ def test_values_are_taken_as_they_are_written():
     same = [{"priors": {"a": 0.5, "b": 0.5}}, {"priors": "a=0.5,b=0.5"}, {"priors": ["a=0.5", "b=0.5"]}]
     assert len({_core.settings("train", own) for own in same}) == 1
     assert "reject_cost = inf" in _core.settings("train", {"reject_cost": float("inf")})
+
+
+def test_a_bearing_is_four_numbers_or_a_designation():
+    same = [(9, 3, 17, 10), [9.0, 3.0, 17.0, 10.0], "9,3,17,10"]
+    texts = {_core.settings("train", {"bearing": own}) for own in same}
+    assert len(texts) == 1 and "bearing = [9.0, 3.0, 17.0, 10.0]" in texts.pop()
+    for own in (6205, "6205"):
+        assert 'bearing = "6205"' in _core.settings("train", {"bearing": own})
+    for own, problem in (
+        ((9, 3, 17, 61), "from 0 to 60 degrees"),
+        ((2, 3, 17, 10), "from 3 to 100"),
+        ((9, 3, 17), "four numbers"),
+        ("6214", "did you mean"),
+    ):
+        with pytest.raises(bw.BearingWatchError, match=problem):
+            _core.settings("train", {"bearing": own})

@@ -18,7 +18,7 @@ const RECORDS: [&str; 2] = ["4", "40"];
 /// What no recording tells: amperes a count by the data sheet, and the bearing by its number (608).
 const SET: [(&str, &str, &str); 2] = [
     ("front_end.toml", "gain_a = [1.000000e0, 1.000000e0]", "gain_a = [0.01, 0.01]"),
-    ("drive.toml", "# bearing = [9, 3, 17, 0.1745]", "bearing = [7, 3.97, 15, 0]"),
+    ("drive.toml", "# bearing = [9, 3, 17, 10]", "bearing = [7, 3.97, 15, 0]"),
 ];
 /// What the firmware prints where the bearing gets its spall.
 const DAMAGED: &str = "a spall";

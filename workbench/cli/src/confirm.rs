@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::output;
 use model::Error;
+use model::near::among;
 use model::settings::HEALTHY_NAMES;
 use model::trace::stem;
 use traces::read_labels;
@@ -86,7 +87,7 @@ impl Args {
         let id = stem(&trace.file_name().unwrap_or_default().to_string_lossy()).to_owned();
         let column = |name: &str| {
             table[0].iter().position(|column| column == name).ok_or_else(|| {
-                let problem = format!("no column {name}; there are {}", table[0].join(", "));
+                let problem = format!("no column {name}{}", among(name, &table[0]));
                 Error::content(&self.labels, "header", problem)
             })
         };

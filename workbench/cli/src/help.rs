@@ -136,8 +136,8 @@ mod tests {
         assert_eq!(one_line("Print JSON"), "Print JSON");
         let rate = "Rate of healthy segments called novel; 0.01 if not given. With a group it is that of the next run";
         assert_eq!(one_line(rate), "Rate of healthy segments called novel; 0.01 if not given");
-        let bearing = "Balls, ball and pitch diameter, e.g. 9,3,17,0.1745: tracks outer, inner, ball and cage of all";
-        assert_eq!(one_line(bearing), "Balls, ball and pitch diameter, e.g. 9,3,17,0.1745");
+        let bearing = "Balls, ball and pitch diameter, e.g. 9,3,17,10: tracks outer, inner, ball and cage of all";
+        assert_eq!(one_line(bearing), "Balls, ball and pitch diameter, e.g. 9,3,17,10");
         let names = "alpha, beta, gamma, delta, epsilon, zeta, eta, theta, iota, kappa, lambda, mu, nu, xi, omicron";
         assert!(one_line(names).ends_with("theta, iota …"), "{}", one_line(names));
     }

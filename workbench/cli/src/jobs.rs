@@ -69,7 +69,7 @@ jobs! {
     /// `replay`.
     Replay = Use::REPLAY, help: &[
         TRACES,
-        ("bearing", "Balls, ball and pitch diameter, contact angle in rad: tells which swings are short"),
+        ("bearing", "A designation, or balls, ball and pitch diameter, contact angle in degrees: tells which swings are short"),
         ("labels", "Labels with the column of --group; by default those of the drive file"),
         (
             "group",

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::output;
 use model::Error;
 use model::life::Collective;
 use model::session::Notes;
@@ -30,6 +31,7 @@ impl Life {
         let trained = trained.filter(|drive| drive.settings.bearing.is_loaded());
         let given = settings.clone();
         let all = trained.map_or_else(|| given.clone(), |drive| given.clone().over(drive.settings));
+        all.bearing.bearing.note().iter().for_each(output::warn);
         Ok(match all.life(&notes.channels)? {
             WantedLife::None => Self::None,
             WantedLife::Lacks(words) => Self::Lacks(words),

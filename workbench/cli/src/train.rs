@@ -15,12 +15,16 @@ use traces::given::{Memory, given};
 
 /// Train a model from labelled traces, for the detector in firmware
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
+#[command(
+    override_usage = "bearing-watch train drive.toml --model FILE [OPTIONS]
+       bearing-watch train --labels FILE --y CHANNEL --u1 CHANNEL --model FILE [OPTIONS]",
+    after_help = "Examples:
   bearing-watch train drive.toml --model model.bwm --rust model.rs
   bearing-watch train --labels traces/labels.csv --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm \
 --order 2,1,2,1,1 --model model.bwm
 
-drive.toml is what `bearing-watch init` writes.")]
+drive.toml is what `bearing-watch init` writes."
+)]
 pub(super) struct Args {
     #[command(flatten)]
     pub(super) taken: Taken<Train>,

@@ -10,6 +10,7 @@ use super::sums::PatternSums;
 use super::{Level, Plan, Sums};
 use model::Error;
 use model::core::coordinates;
+use model::near::among;
 use model::train::moments::{Cell, moments_of};
 use model::train::novelty::of_sums::HealthySums;
 use model::train::novelty::runs::RunMoments;
@@ -107,7 +108,8 @@ fn cell(pattern: &PatternSums, class: usize, features: usize) -> Cell {
 pub fn classes(sums: &Sums, asked: &[String]) -> Result<Vec<String>, Error> {
     let present: Vec<&str> = sums.names().collect();
     if let Some(name) = asked.iter().find(|name| !present.contains(&name.as_str())) {
-        return Err(Error::Usage(format!("--classes: no segment of class {name}; there are {}", present.join(", "))));
+        let near = among(name, &present);
+        return Err(Error::Usage(format!("--classes: no segment of class {name}{near}")));
     }
     if !asked.is_empty() {
         return Ok(asked.to_vec());

@@ -30,6 +30,7 @@ use super::beside::{keys, plan_beside};
 use super::exact::LARGEST;
 use super::names::{PLAN, SORTED, TEXTS, variance_of};
 use model::Error;
+use model::near::among;
 use model::trace::Condition;
 use traces::damaged::{DAMAGED, guarded};
 use traces::table::parquet_pages;
@@ -166,7 +167,7 @@ impl Part {
     fn place(&self, name: &str) -> Result<usize, Error> {
         let found = self.metadata.schema().fields().iter().position(|field| field.name() == name);
         found.ok_or_else(|| {
-            let problem = format!("no column {name}; there are {}", self.columns().join(", "));
+            let problem = format!("no column {name}{}", among(name, &self.columns()));
             Error::content(&self.path, "header", problem)
         })
     }

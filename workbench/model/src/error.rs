@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::near;
 use crate::visible::lines;
 
 /// All errors of the workbench; `Display` returns one line for the user, in which nothing acts on a terminal.
@@ -64,10 +65,18 @@ impl Error {
         Self::Other(Box::new(error))
     }
 
-    /// Converts an input or output error and adds the file.
+    /// Converts an input or output error and adds the file; of a file that does not exist also the nearest name.
     pub fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
-        move |source| Self::Io { path, source }
+        move |source| {
+            let is_missing = source.kind() == std::io::ErrorKind::NotFound;
+            let near = if is_missing { near::of_file(&path) } else { String::new() };
+            if near.is_empty() {
+                return Self::Io { path, source };
+            }
+            let source = std::io::Error::new(source.kind(), format!("{source}{}", lines(&near)));
+            Self::Io { path, source }
+        }
     }
 
     /// An error at a given place of a file.

@@ -25,12 +25,15 @@
 //! | [`train`] | labelled traces → projection, classes, gate and alarm |
 //! | [`evaluate`] | verdicts on other traces, counted by class and run |
 //! | [`life`] | load collective and nominal life of a bearing |
+//! | [`bearings`] | dimensions of bearings by their designation |
+//! | [`near`] | unknown words: the nearest known ones |
 //! | [`core`] | traces through the detector of the firmware, and names of its features |
 //! | [`outputs`] | files that are complete or absent |
 //! | [`statistics`] | mean and standard deviation over repetitions |
 //! | [`error`] | errors: one line with place and remedy |
 
 pub mod audit;
+pub mod bearings;
 pub mod cogging;
 pub mod core;
 pub mod error;
@@ -38,6 +41,7 @@ pub mod evaluate;
 pub mod grey_box;
 pub mod identify;
 pub mod life;
+pub mod near;
 pub mod outputs;
 pub mod piecewise;
 pub mod recursive;

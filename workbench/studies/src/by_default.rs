@@ -1,7 +1,7 @@
 //! The settings of a user who names his signals, the bearing and the false-alarm rate, and nothing else.
 
 use model::Error;
-use model::settings::{Alarm, Bearing, Reading, Settings, Signals};
+use model::settings::{Alarm, Bearing, Dimensions, Geometry, Reading, Settings, Signals};
 use model::train::Recipe;
 use rig::BearingGeometry;
 
@@ -18,10 +18,13 @@ pub fn settings(load: bool, false_alarm: f64) -> Settings {
         ..Signals::default()
     };
     let BearingGeometry { balls, ball_diameter_mm, pitch_diameter_mm, contact_angle_rad } = BearingGeometry::THESIS;
-    let bearing = Bearing {
-        bearing: vec![f64::from(balls), ball_diameter_mm, pitch_diameter_mm, contact_angle_rad],
-        ..Bearing::default()
+    let dimensions = Dimensions {
+        balls: u8::try_from(balls).unwrap_or(u8::MAX),
+        ball: ball_diameter_mm,
+        pitch: pitch_diameter_mm,
+        contact_deg: contact_angle_rad.to_degrees(),
     };
+    let bearing = Bearing { bearing: Geometry::of(dimensions), ..Bearing::default() };
     let alarm = Alarm { false_alarm: Some(false_alarm), ..Alarm::default() };
     Settings { channels, bearing, alarm, ..Settings::default() }
 }

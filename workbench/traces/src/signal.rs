@@ -18,10 +18,10 @@
 //! both sides of them, as between any two samples.
 
 use std::collections::BTreeMap;
-
 use std::f64::consts::TAU;
 
 use crate::units::{Quantity, Unit, known, stated};
+use model::near::among;
 
 /// The time from one row to another, s.
 pub(super) type Elapsed<'a> = &'a dyn Fn(usize, usize) -> f64;
@@ -206,7 +206,7 @@ pub(super) fn values_of(
 
 /// Says that there is no such column.
 pub(super) fn missing(name: &str, names: &[String]) -> String {
-    format!("no column (or difference of columns) {name}; there are {}", names.join(", "))
+    format!("no column (or difference of columns) {name}{}", among(name, names))
 }
 
 fn place(names: &[String], name: &str) -> Option<usize> {

@@ -7,6 +7,7 @@ use crate::signal::{Role, Signal};
 use crate::table::time_name::{seconds, usual};
 use crate::table::{About, Table};
 use model::Error;
+use model::near::among;
 use model::trace::{Channels, ShaftChannels, stem};
 
 /// The names of the columns.
@@ -34,8 +35,7 @@ impl Header {
             Some(NO_TIME) => None,
             Some(wanted) => {
                 let place = names.iter().position(|name| name == wanted);
-                let place =
-                    place.ok_or_else(|| format!("no column {wanted} for the time; there are {}", names.join(", ")))?;
+                let place = place.ok_or_else(|| format!("no column {wanted} for the time{}", among(wanted, &names)))?;
                 Some((place, factor(place)))
             }
             None => {

@@ -37,7 +37,7 @@ const COMMANDS: [&str; 12] = [
      --u2 load_torque_nm --order 2,1,2,1,1 --features a --discriminant quadratic --model a.bwm --report train.html",
     "train --labels bench/labels.csv --train-where seed=1 --classes healthy --y current_a --u1 velocity_ref_rad_s \
      --u2 load_torque_nm --order 2,1,2,1,1 --angle angle_rad --velocity velocity_rad_s --load load_torque_nm \
-     --bearing 9,3,17,0.1745 --features inverse_kt,drag_log,order_outer --rising drag_log --model gate.bwm",
+     --bearing 9,3,17,10 --features inverse_kt,drag_log,order_outer --rising drag_log --model gate.bwm",
     "replay --model gate.bwm later --report replay.html",
 ];
 

@@ -53,7 +53,7 @@ fn healthy_traces_alone_make_a_model_that_alarms() {
 #[test]
 fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
     const SHAFT: &str = "--angle angle_rad --velocity velocity_rad_s --velocity-ref velocity_ref_rad_s --load load_torque_nm \
-        --bearing 9,3,17,0.1745 --features drag_score,inverse_kt_score,order_outer";
+        --bearing 9,3,17,10 --features drag_score,inverse_kt_score,order_outer";
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
     succeed(dir, "simulate --class healthy --count 30 --seed 21 --out train");
@@ -83,7 +83,7 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
         &format!("{TRAIN} --labels train/labels.csv --model n.bwm {SHAFT} --orders nine=x"),
         &["nine=x", "NAME=ORDER"],
     );
-    let wrong = SHAFT.replace("9,3,17,0.1745", "9,17,3,0.1745");
+    let wrong = SHAFT.replace("9,3,17,10", "9,17,3,0.1745");
     refuse(dir, &format!("{TRAIN} --labels train/labels.csv --model n.bwm {wrong}"), &["--bearing", "ball diameter"]);
     refuse(
         dir,
@@ -109,7 +109,7 @@ fn trained_by_runs(dir: &Path) -> String {
         dir,
         &format!(
             "{TRAIN} --labels train/labels.csv --model m.bwm --rust m.rs --c m.h --angle angle_rad \
-             --velocity velocity_rad_s --velocity-ref velocity_ref_rad_s --load load_torque_nm --bearing 9,3,17,0.1745 \
+             --velocity velocity_rad_s --velocity-ref velocity_ref_rad_s --load load_torque_nm --bearing 9,3,17,10 \
              --features drag,inverse_kt,viscous,order_outer,order_inner --group session --alarm-interval-h 1000"
         ),
     )

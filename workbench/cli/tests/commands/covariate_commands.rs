@@ -4,7 +4,7 @@ use super::common::{refuse, rewrite_column, succeed};
 use serde_json::Value;
 
 const TRAIN: &str = "train --healthy healthy --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,2,1,1 \
-    --angle angle_rad --velocity velocity_rad_s --load load_torque_nm --bearing 9,3,17,0.1745 \
+    --angle angle_rad --velocity velocity_rad_s --load load_torque_nm --bearing 9,3,17,10 \
     --features viscous_log,inverse_kt --labels train/labels.csv";
 
 fn json(text: &str) -> Value {

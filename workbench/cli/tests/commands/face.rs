@@ -228,7 +228,7 @@ fn json_has_the_form_that_its_schema_describes() {
     fit(&schema("evaluate"), &json(&succeed(dir, &format!("{evaluate} --group seed"))));
     let replay = "replay --model m.bwm runs/spall_5_000.csv --json";
     fit(&schema("replay"), &json(&succeed(dir, replay)));
-    fit(&schema("replay"), &json(&succeed(dir, &format!("{replay} --bearing 9,3,17,0.1745"))));
+    fit(&schema("replay"), &json(&succeed(dir, &format!("{replay} --bearing 9,3,17,10"))));
     let output = run(dir, "replay --model absent.bwm runs --json");
     fit(&schema("error"), &json(&String::from_utf8_lossy(&output.stdout)));
     let fits = |form: &str, command: &str| fit(&schema(form), &json(&succeed(dir, &format!("{command} --json"))));

@@ -4,7 +4,7 @@ use super::common::{refuse, succeed};
 use serde_json::Value;
 
 const CHANNELS: &str = "--y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,1,1,1 --angle angle_rad \
-    --velocity velocity_rad_s --load load_torque_nm --bearing 9,3,17,0.1745";
+    --velocity velocity_rad_s --load load_torque_nm --bearing 9,3,17,10";
 const CLASSIFIER: &str = "--features drag_log,inverse_kt,order_outer --discriminant quadratic --unit drive --json";
 
 fn json(text: &str) -> Value {

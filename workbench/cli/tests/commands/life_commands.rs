@@ -23,10 +23,10 @@ fn replay_gives_the_nominal_life_of_a_loaded_bearing() {
     let replay = format!("replay --model m.bwm {traces}");
     // Nothing is said of a life, unless something is said of the bearing.
     assert!(!succeed(dir, &replay).contains("nominal life"));
-    let told = succeed(dir, &format!("{replay} --bearing 9,3,17,0.1745"));
+    let told = succeed(dir, &format!("{replay} --bearing 9,3,17,10"));
     assert!(told.contains("no nominal life: give the bearing's basic dynamic load rating C"), "{told}");
 
-    let constant = "--load-rating-n 13500 --bearing-load-n 1000 --bearing 9,3,17,0.1745";
+    let constant = "--load-rating-n 13500 --bearing-load-n 1000 --bearing 9,3,17,10";
     let told = succeed(dir, &format!("{replay} {constant}"));
     for part in
         ["nominal life L10 by ISO 281: 2 460 million turns or ", "mean load 1000 N", "nine of ten such bearings"]

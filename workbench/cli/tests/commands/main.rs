@@ -2,6 +2,7 @@
 
 mod alarm_commands;
 mod audit_command;
+mod bearing_commands;
 mod book;
 mod browser;
 mod can_command;

@@ -30,7 +30,7 @@ const CAUSES: [(&str, &str, f64); 7] = [
     ("order_ball", "ball order", 0.2),
 ];
 
-/// Events per turn of the bearing 9,3,17,0.1745.
+/// Events per turn of the bearing 9,3,17,10.
 fn order(cause: &str) -> f64 {
     let r = 3.0 / 17.0 * 0.1745_f64.cos();
     match cause {
@@ -106,7 +106,7 @@ fn train(dir: &Path, rig: &str, runs: u32) {
         dir,
         &format!(
             "train --current current_a --velocity velocity_rad_s --velocity-ref velocity_ref_rad_s --angle angle_rad \
-             --load load_torque_nm --bearing 9,3,17,0.1745 --labels train/labels.csv --group session --false-alarm 0.05 \
+             --load load_torque_nm --bearing 9,3,17,10 --labels train/labels.csv --group session --false-alarm 0.05 \
              --alarm-interval-h 1000 --features {features} --rising load_friction,viscous,coulomb --model m.bwm \
              --c m.h --rust m.rs"
         ),

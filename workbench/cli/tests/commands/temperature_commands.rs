@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::common::{run, succeed};
 
 const TRAIN: &str = "train --current current_a --velocity velocity_rad_s --velocity-ref velocity_ref_rad_s \
-    --angle angle_rad --bearing 9,3,17,0.1745";
+    --angle angle_rad --bearing 9,3,17,10";
 
 /// Samples of a record, at 500 Hz.
 const SAMPLES: usize = 3000;

@@ -80,6 +80,7 @@ pub fn features(
         return Err(Error::Usage(format!("--plan-traces {}: at least 2", options.plan_traces)));
     }
     let Reading { channels, shaft, preparation, .. } = settings.reading(given.front_end.take())?;
+    log.warn(settings.bearing.bearing.note());
     let file = given.file.clone();
     let selection = Selection::new(settings, given, channels.clone());
     check_out(options, &selection)?;

@@ -24,7 +24,7 @@ pub(super) fn known(
         ("the channels", plan.channels != *channels),
         ("the order", plan.structure() != model.structure()?),
         ("--block-mean or --decimate", plan.preparation() != preparation),
-        ("the orders of the bearing", plan.recipe().shaft.map(|own| own.orders) != shaft.map(|own| own.orders.clone())),
+        ("the orders of the bearing", !are_alike(plan.recipe().shaft.as_ref(), shaft)),
         ("--segment", model.segment.is_some_and(|segment| segment != plan.segment_samples())),
         ("--method", plan.recipe().estimation.method != model.method.unwrap_or_default().core()),
         ("--unit", plan.unit != by.unit),
@@ -64,4 +64,15 @@ pub(super) fn new_plan(
     let mut plan = Plan::new(&found, classes, origin)?;
     plan.usual = train::usual_errors(&prepared, classes, &found)?;
     Ok(plan)
+}
+
+/// Whether the orders are the same but for the last digits, which a number as text may lose.
+fn are_alike(one: Option<&ShaftPlan>, other: Option<&ShaftPlan>) -> bool {
+    let alike = |((one, own), (other, order)): (&(String, f64), &(String, f64))| {
+        one == other && (own - order).abs() <= 1e-9 * order.abs()
+    };
+    match one.zip(other) {
+        Some((one, other)) => one.orders.len() == other.orders.len() && one.orders.iter().zip(&other.orders).all(alike),
+        None => one.is_none() && other.is_none(),
+    }
 }

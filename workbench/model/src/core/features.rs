@@ -16,6 +16,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
 use crate::identify::{Estimate, Structure, Terms};
+use crate::near::among;
 
 /// Raw features of a structure: the names of all parameters, then `log_variance`.
 #[must_use]
@@ -218,9 +219,9 @@ fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Resu
         let places: Vec<usize> = (0..names.len()).filter(|&k| of_group(&names[k])).collect();
         if places.is_empty() {
             return Err(Error::Usage(format!(
-                "--features: no {name} in this model; there are {} (a, b, c, friction, friction_scores, friction_logs, \
-                 orders stand for whole groups)",
-                names.join(", ")
+                "--features: no {name} in this model{} (a, b, c, friction, friction_scores, friction_logs, orders stand \
+                 for whole groups)",
+                among(name, names)
             )));
         }
         if places.iter().any(|place| chosen.contains(place)) {

@@ -32,6 +32,7 @@ fn lines(trained: &Trained, settings: &Settings) -> Vec<String> {
         trained.candidates.features.len(),
         why(!settings.model.features.is_empty(), "every parameter")
     ));
+    lines.extend(settings.bearing.bearing.words().map(|words| format!("bearing: {words}, as given")));
     if let (Some(plan), Some((layout, shaft))) = (&recipe.shaft, &trained.parts.shaft) {
         lines.push(velocity(plan, settings));
         let (current, other) = (shaft.lags.current, shaft.lags.velocity);

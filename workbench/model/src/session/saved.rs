@@ -2,7 +2,7 @@
 
 use super::selection::INDEPENDENT;
 use super::training::Training;
-use crate::settings::{Order, Settings, VelocityFrom};
+use crate::settings::{Geometry, Order, Settings, VelocityFrom};
 use crate::train::{Dependence, Recipe, ShaftPlan, Shrink, VelocitySource};
 
 impl Training {
@@ -42,7 +42,7 @@ impl Training {
         bearing.slip = Some(plan.slip);
         if given.chooses_features() && !bearing.bearing.is_empty() {
             // A bearing alone would track balls and cage too.
-            bearing.bearing.clear();
+            bearing.bearing = Geometry::default();
             bearing.orders = plan.orders.iter().map(|(name, order)| format!("{name}={order}")).collect();
         }
         if let (Some((layout, _)), true) = (&self.trained.parts.shaft, bearing.harmonics.is_empty()) {

@@ -61,6 +61,7 @@ impl Session {
     /// Traces that cannot be read; labels or settings that do not fit them; a training set that does not support what
     /// the settings want.
     pub fn train(&self, log: &Log<'_>) -> Result<Training, Error> {
+        log.warn(self.settings.bearing.bearing.note());
         let (named, used) = (self.temperature_columns()?, self.channels.names());
         let (mut temperatures, traces) = Temperatures::of(named, &used, |offered| self.traces(offered))?;
         let taken = temperatures.taken();

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::choices::Novelty;
 use super::merge::merges;
 use crate::Error;
+use crate::near::among;
 use crate::train::{ACCEPTABLE, AlarmInterval, Alarms};
 
 /// Names of the healthy class if none is given.
@@ -91,7 +92,8 @@ merges!(Alarm {
 pub fn healthy_class(given: Option<&str>, classes: &[String]) -> Result<Option<usize>, Error> {
     let place = |name: &str| classes.iter().position(|class| class == name.trim());
     let Some(name) = given else { return Ok(HEALTHY_NAMES.iter().find_map(|name| place(name))) };
-    let unknown = || Error::Usage(format!("--healthy: unknown class {name}; there are {}", classes.join(", ")));
+    let near = || among(name, classes);
+    let unknown = || Error::Usage(format!("--healthy: unknown class {name}{}", near()));
     place(name).map(Some).ok_or_else(unknown)
 }
 

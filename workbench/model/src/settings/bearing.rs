@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::geometry::Geometry;
 use super::merge::merges;
 
 /// Largest relative slip that is searched: real cages slip by up to 2 %, and with the load on the contact angle.
@@ -12,11 +13,14 @@ pub(super) const SLIP: f64 = 0.022;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Bearing {
-    /// Balls, ball and pitch diameter, contact angle in rad, e.g. 9,3,17,0.1745: tracks outer and inner race,
-    /// ball and cage; where training chooses the features, the races alone
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "N,BD,PD,ANGLE", "x-shaft" = true)))]
-    pub bearing: Vec<f64>,
+    /// A designation, or balls, ball and pitch diameter, and degrees: 6205, or 9,7.94,39.04,0 with the contact angle in
+    /// degrees. Tracks outer and inner race, ball and cage; where training chooses the features, the races alone
+    #[serde(skip_serializing_if = "Geometry::is_empty")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", extend("x-value" = "BEARING", "x-shaft" = true, "examples" = ["6205"]))
+    )]
+    pub bearing: Geometry,
     /// Orders to track, events per turn, e.g. outer=3.718,sideband=4.718
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAME=ORDER", "x-pairs" = true, "x-shaft" = true)))]

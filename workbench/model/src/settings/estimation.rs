@@ -7,6 +7,7 @@ use super::model::Model;
 use super::order::Order;
 use crate::Error;
 use crate::identify::Structure;
+use crate::near::among;
 use crate::trace::Preparation;
 use crate::train::Estimation;
 
@@ -57,7 +58,8 @@ impl Model {
         let nominal = match &self.nominal {
             None => healthy.unwrap_or(0),
             Some(name) => classes.iter().position(|class| class == name).ok_or_else(|| {
-                Error::Usage(format!("--nominal: unknown class {name}; there are {}", classes.join(", ")))
+                let near = among(name, classes);
+                Error::Usage(format!("--nominal: unknown class {name}{near}"))
             })?,
         };
         Ok(Estimation {

@@ -13,9 +13,10 @@ use toml::de::{DeTable, DeValue};
 
 use super::data::Data;
 use super::fields::{keys, section_of, sections};
-use super::problem::{Problem, nearest};
+use super::problem::Problem;
 use super::whole::Settings;
 use crate::Error;
+use crate::near::did_you_mean;
 
 /// A drive file.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +71,7 @@ fn parse(path: &Path, text: &str) -> Result<Settings, Error> {
         let (at, name) = (name.span().start, name.get_ref().as_ref());
         let DeValue::Table(content) = content.get_ref() else { return Err(wrong(at, misplaced(name))) };
         let Some(section) = sections().iter().find(|section| section.name == name) else {
-            let near = nearest(name, sections().iter().map(|section| section.name));
+            let near = did_you_mean(name, sections().iter().map(|section| section.name));
             return Err(wrong(at, format!("there is no table [{name}]{near}")));
         };
         for (key, value) in content {
@@ -92,7 +93,7 @@ fn parse(path: &Path, text: &str) -> Result<Settings, Error> {
 
 /// "; did you mean …", if a key is near.
 fn nearest_key(word: &str) -> String {
-    nearest(word, keys().map(|(_, key)| key))
+    did_you_mean(word, keys().map(|(_, key)| key))
 }
 
 /// What to say of a key outside of any table.

@@ -91,6 +91,7 @@ impl Bearing {
 
 #[cfg(test)]
 mod tests {
+    use super::super::geometry::Geometry;
     use super::*;
     use crate::trace::ShaftChannels;
 
@@ -106,7 +107,8 @@ mod tests {
 
     #[test]
     fn what_lacks_is_named() {
-        let geometry = Bearing { bearing: vec![9.0, 3.0, 17.0, 0.17], ..Bearing::default() };
+        let numbers = ["9", "3", "17", "10"].map(String::from);
+        let geometry = Bearing { bearing: Geometry::of_words(&numbers).expect("a bearing"), ..Bearing::default() };
         let rated = Bearing { load_rating_n: Some(13_500.0), ..geometry.clone() };
         let loaded = Bearing { bearing_load_per_nm: Some(40.0), ..rated.clone() };
         let lacks = |bearing: &Bearing, channels: &Channels, part: &str| match wanted(bearing.clone(), channels) {

@@ -22,6 +22,7 @@ mod estimation;
 mod face;
 mod fields;
 mod file;
+mod geometry;
 mod lenient;
 mod life;
 mod merge;
@@ -46,6 +47,7 @@ pub use choices::{Discriminant, Method, Novelty, Park, Projection, VelocityFrom}
 pub use data::Data;
 pub use fields::{Section, keys, sections};
 pub use file::DriveFile;
+pub use geometry::{Dimensions, Geometry};
 pub use lenient::from_value;
 pub use life::WantedLife;
 pub use model::Model;

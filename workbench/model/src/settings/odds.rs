@@ -1,6 +1,7 @@
 //! Priors and costs by the names of classes.
 
 use crate::Error;
+use crate::near::among;
 
 pub(super) fn priors(asked: &[String], classes: &[String]) -> Result<Vec<f64>, Error> {
     if asked.is_empty() {
@@ -42,10 +43,9 @@ pub(super) fn costs(asked: &[String], classes: &[String]) -> Result<Vec<Vec<f64>
 }
 
 fn class(classes: &[String], name: &str, option: &str) -> Result<usize, Error> {
-    classes
-        .iter()
-        .position(|class| class == name.trim())
-        .ok_or_else(|| Error::Usage(format!("{option}: unknown class {name}; there are {}", classes.join(", "))))
+    let near = || among(name, classes);
+    let place = classes.iter().position(|class| class == name.trim());
+    place.ok_or_else(|| Error::Usage(format!("{option}: unknown class {name}{}", near())))
 }
 
 fn number(text: &str, option: &str, item: &str) -> Result<f64, Error> {

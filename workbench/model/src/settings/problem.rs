@@ -52,12 +52,3 @@ pub(super) fn shown(value: &Value) -> String {
         other => other.to_string(),
     }
 }
-
-/// "; did you mean …", if a known word is near.
-pub(crate) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let near = known.map(|other| (strsim::jaro_winkler(word, other), other));
-    match near.max_by(|one, other| one.0.total_cmp(&other.0)) {
-        Some((likeness, other)) if likeness > 0.75 => format!("; did you mean {other}?"),
-        _ => String::new(),
-    }
-}

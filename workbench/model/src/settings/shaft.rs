@@ -2,6 +2,7 @@
 
 use super::bearing::{Bearing, SLIP};
 use super::choices::VelocityFrom;
+use super::geometry::Dimensions;
 use super::whole::Settings;
 use crate::Error;
 use crate::trace::ShaftChannels;
@@ -82,31 +83,99 @@ impl Settings {
 impl Bearing {
     /// Names and orders, those of the bearing first.
     pub(super) fn orders(&self) -> Result<Vec<(String, f64)>, Error> {
-        let mut orders = match self.bearing[..] {
-            [] => vec![],
-            [balls, ball, pitch, contact] if (1.0..=255.0).contains(&balls) && 0.0 < ball && ball < pitch => {
-                let bearing = bearing_watch::shaft::Bearing {
-                    balls: balls.round() as u8,
-                    ball_diameter: ball as f32,
-                    pitch_diameter: pitch as f32,
-                    contact_angle_rad: contact as f32,
-                };
-                let all = [("outer", bearing.outer()), ("inner", bearing.inner()), ("ball", bearing.ball())];
-                let all = all.into_iter().chain([("cage", bearing.cage())]);
-                all.map(|(name, order)| (name.to_string(), f64::from(order))).collect()
-            }
-            _ => {
-                let problem = "--bearing takes balls, ball diameter, pitch diameter, contact angle in rad, e.g. \
-                               9,3,17,0.1745";
-                return Err(Error::Usage(problem.into()));
-            }
+        let of_bearing = |own: Dimensions| {
+            let bearing = bearing_watch::shaft::Bearing {
+                balls: own.balls,
+                ball_diameter: own.ball as f32,
+                pitch_diameter: own.pitch as f32,
+                contact_angle_rad: own.contact_deg.to_radians() as f32,
+            };
+            let all = [("outer", bearing.outer()), ("inner", bearing.inner()), ("ball", bearing.ball())];
+            let all = all.into_iter().chain([("cage", bearing.cage())]);
+            all.map(|(name, order)| (name.to_string(), f64::from(order))).collect()
         };
+        let mut orders: Vec<(String, f64)> = self.bearing.dimensions().map_or_else(Vec::new, of_bearing);
         for item in &self.orders {
             let order = item.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse().ok()?)));
             let (name, order) = order
                 .ok_or_else(|| Error::Usage(format!("--orders \"{item}\": write NAME=ORDER, e.g. outer=3.718")))?;
             orders.push((name.to_string(), order));
         }
+        in_order(&orders)?;
         Ok(orders)
+    }
+}
+
+/// Refuses races and a cage in an order that no bearing has.
+fn in_order(orders: &[(String, f64)]) -> Result<(), Error> {
+    let of = |name: &str| orders.iter().find(|(own, _)| own == name).map(|(_, order)| *order);
+    let (outer, inner, cage) = (of("outer"), of("inner"), of("cage"));
+    if let Some((outer, inner)) = outer.zip(inner).filter(|(outer, inner)| outer >= inner) {
+        return Err(Error::Usage(format!(
+            "--orders: outer={outer} is not below inner={inner}, as it is in every bearing; are they exchanged?"
+        )));
+    }
+    if let Some(cage) = cage.filter(|cage| *cage >= 0.5) {
+        return Err(Error::Usage(format!(
+            "--orders: cage={cage} is not below 0.5, as it is if the inner ring turns; if the outer one does, give it \
+             another name"
+        )));
+    }
+    let Some((outer, inner)) = outer.zip(inner) else { return Ok(()) };
+    let (balls, spread) = ((outer + inner).round(), 0.05);
+    if (outer + inner - balls).abs() > spread {
+        return Err(Error::Usage(format!(
+            "--orders: outer={outer} and inner={inner} are not of one bearing: their sum is the number of balls, a whole \
+             one"
+        )));
+    }
+    match cage.filter(|cage| (cage * balls / outer - 1.0).abs() > spread) {
+        Some(cage) => Err(Error::Usage(format!(
+            "--orders: cage={cage} is not of the same bearing: times its {balls} balls it is not outer={outer}"
+        ))),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::geometry::Geometry;
+    use super::*;
+
+    fn orders(bearing: &str, orders: &[&str]) -> Result<Vec<f64>, String> {
+        let words: Vec<String> = bearing.split(',').filter(|word| !word.is_empty()).map(String::from).collect();
+        let orders = orders.iter().map(ToString::to_string).collect();
+        let own = Bearing { bearing: Geometry::of_words(&words)?, orders, ..Bearing::default() };
+        own.orders().map(|all| all.into_iter().map(|(_, order)| order).collect()).map_err(|error| error.to_string())
+    }
+
+    /// Published by the bearing data centre of CWRU: 5.4152 inner, 3.5848 outer, 0.39828 cage, 4.7135 = 2 times the ball.
+    #[test]
+    fn orders_of_a_6205_are_the_published_ones() {
+        for bearing in ["6205", "SKF 6205-2RS JEM", "9,7.94,39.04,0"] {
+            let found = orders(bearing, &[]).expect(bearing);
+            for (order, expected) in found.iter().zip([3.5848, 5.4152, 4.7135 / 2.0, 0.398_28]) {
+                assert!((order - expected).abs() < 2e-4, "{bearing}: {found:?}");
+            }
+        }
+        let (degrees, rad) = (orders("9,3,17,10", &[]), orders("9,3,17,0.174533", &[]));
+        assert!(degrees.expect("degrees").iter().zip(rad.expect("rad")).all(|(one, other)| (one - other).abs() < 1e-5));
+    }
+
+    #[test]
+    fn lines_in_an_order_that_no_bearing_has_are_refused() {
+        for (given, part) in [
+            (&["outer=5.41", "inner=3.58"][..], "are they exchanged"),
+            (&["outer=3.58", "inner=3.58"], "not below inner"),
+            (&["cage=0.6"], "not below 0.5"),
+            (&["outer=3.58", "inner=5.1"], "sum is the number of balls"),
+            (&["outer=3.58", "inner=5.42", "cage=0.3"], "times its 9 balls"),
+        ] {
+            let problem = orders("", given).expect_err(part);
+            assert!(problem.contains(part), "{problem}");
+        }
+        for given in [&["outer=3.58", "inner=5.41", "cage=0.398"][..], &["outer=3.58"], &["unbalance=1", "cage=0.4"]] {
+            assert!(orders("", given).is_ok(), "{given:?}");
+        }
     }
 }

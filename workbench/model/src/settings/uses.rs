@@ -5,9 +5,10 @@ use serde_json::{Map, Value};
 
 use super::fields::fields;
 use super::lenient::from_value;
-use super::problem::{Problem, nearest};
+use super::problem::Problem;
 use super::whole::Settings;
 use crate::Error;
+use crate::near::did_you_mean;
 
 /// The settings that a job takes.
 #[derive(Clone, Copy, Debug)]
@@ -198,7 +199,7 @@ impl Further {
     /// There is one.
     pub fn end(&self) -> Result<(), Error> {
         self.rest.keys().next().map_or(Ok(()), |key| {
-            let near = nearest(key, self.known.iter().copied());
+            let near = did_you_mean(key, self.known.iter().copied());
             Err(Error::Usage(format!("{} has no option {key}{near}", self.job)))
         })
     }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
+use crate::near::{among, did_you_mean};
 use crate::trace::{Recorded, Trace, stem};
 
 /// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
@@ -174,7 +175,8 @@ impl Labels {
 
     fn column(&self, name: &str) -> Result<usize, Error> {
         self.columns.iter().position(|column| column == name).ok_or_else(|| {
-            Error::content(&self.path, "header", format!("no column {name}; there are {}", self.columns.join(", ")))
+            let near = among(name, &self.columns);
+            Error::content(&self.path, "header", format!("no column {name}{near}"))
         })
     }
 
@@ -232,7 +234,8 @@ impl Labels {
                 return Err(Error::Usage(format!("--classes names {class} twice")));
             }
             if !present.contains(class) {
-                let problem = format!("unknown class {class} in this selection; there are {}", present.join(", "));
+                let near = among(class, &present);
+                let problem = format!("unknown class {class} in this selection{near}");
                 return Err(Error::content(&self.path, "column class_name", problem));
             }
         }
@@ -254,7 +257,9 @@ impl Labels {
         wanted
             .map(|(id, class)| {
                 let trace = by_id.get(id.as_str()).ok_or_else(|| {
-                    let problem = format!("{id} is labelled, but there is no such trace; give its file or folder");
+                    let near = did_you_mean(id, traces.iter().map(|trace| stem(&trace.id)));
+                    let problem =
+                        format!("{id} is labelled, but there is no such trace; give its file or folder{near}");
                     Error::content(&self.path, "column trace", problem)
                 })?;
                 Ok(LabelledTrace { trace: (*trace).clone(), class })

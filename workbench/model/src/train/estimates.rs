@@ -16,6 +16,7 @@ use super::{Candidates, Explained, Recipe, Shrink, Sight, Trained, core_features
 use crate::Error;
 use crate::core::Parts;
 use crate::core::features::{self, Catalogue};
+use crate::near::among;
 use crate::trace::labels::LabelledTrace;
 
 /// A training set with the part of the model that estimates, and the features that it estimates.
@@ -229,7 +230,8 @@ fn covariate_places(catalogue: &Catalogue, recipe: &Recipe) -> Result<Vec<usize>
     let names = catalogue.names();
     let zero = catalogue.delta_from_raw(&DVector::zeros(names.len()));
     let each = |name: &String| {
-        let unknown = || Error::Usage(format!("--covariates: no {name} in this model; there are {}", names.join(", ")));
+        let near = || among(name, &names);
+        let unknown = || Error::Usage(format!("--covariates: no {name} in this model{}", near()));
         let place = names.iter().position(|own| own == name).ok_or_else(unknown)?;
         let mut unit = DVector::zeros(names.len());
         unit[place] = 1.0;

@@ -31,6 +31,7 @@ impl Audit {
     /// # Errors
     /// No trace, or channels that cannot be read.
     pub fn audit(&self, files: &[PathBuf], log: &Log<'_>) -> Result<Outcome, Error> {
+        log.warn(self.settings.bearing.bearing.note());
         let step = log.steps("auditing", files.len());
         let front_end = self.settings.data.front_end.as_deref().map(FrontEndFile::read).transpose()?;
         let each = |file: &PathBuf| {

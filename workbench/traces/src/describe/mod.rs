@@ -214,7 +214,7 @@ fn hint(key: &str) -> Option<&'static str> {
         "u2" => "\"load_torque_nm\"  # a second input",
         "angle" => "\"angle_rad\"  # of the shaft: watches friction and bearing orders",
         "orders" => "{ outer = 3.58, inner = 5.41 }",
-        "bearing" => "[9, 3, 17, 0.1745]  # balls, ball and pitch diameter, contact angle in rad",
+        "bearing" => "[9, 3, 17, 10]  # balls, ball and pitch diameter, contact angle in degrees; or \"6205\"",
         "block_mean" => "4  # average blocks of samples first",
         "features" => "[\"a\", \"b\", \"c\"]",
         "covariates" => "[\"mean_temperature_c\"]",
