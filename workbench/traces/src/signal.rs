@@ -15,6 +15,7 @@
 use std::collections::BTreeMap;
 
 use crate::units::{Unit, known};
+use model::trace::composed;
 
 /// The time from one row to another, s.
 pub(super) type Elapsed<'a> = &'a dyn Fn(usize, usize) -> f64;
@@ -36,6 +37,7 @@ impl Signal {
     /// # Errors
     /// What is wrong, for a message.
     pub(super) fn parse(text: &str, names: &[String]) -> Result<Self, String> {
+        let text = &*composed(text);
         if let Some(place) = place(names, text.trim()) {
             return Ok(Self::Column(place));
         }

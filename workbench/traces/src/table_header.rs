@@ -7,7 +7,7 @@ use crate::signal::Signal;
 use crate::table::time_name::{seconds, usual};
 use crate::table::{About, Table};
 use model::Error;
-use model::trace::{Channels, stem};
+use model::trace::{Channels, composed, trace_name};
 
 /// The names of the columns.
 pub(super) struct Header {
@@ -33,7 +33,7 @@ impl Header {
         let time = match time {
             Some(NO_TIME) => None,
             Some(wanted) => {
-                let place = names.iter().position(|name| name == wanted);
+                let place = names.iter().position(|name| *name == composed(wanted));
                 let place =
                     place.ok_or_else(|| format!("no column {wanted} for the time; there are {}", names.join(", ")))?;
                 Some((place, factor(place)))
@@ -98,5 +98,5 @@ pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Err
 
 /// Whether a table may have wanted traces: its only one is, or it has several.
 pub(super) fn is_wanted(header: &Header, table: &Table, wanted: &(dyn Fn(&str) -> bool + Sync)) -> bool {
-    header.trace.is_some() || wanted(stem(&table.id()))
+    header.trace.is_some() || wanted(&trace_name(&table.id()))
 }

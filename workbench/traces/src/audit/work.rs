@@ -1,7 +1,6 @@
 //! The work of an audit.
 
 use std::collections::HashSet;
-use std::path::Path;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,8 +10,8 @@ use super::asked::Audit;
 use super::audited::{Audited, Finding, Line, Outcome};
 use super::findings::{add, equal_traces, session_sets};
 use crate::describe::guess::Guess;
+use crate::listing::{Candidate, LEFT_OUT, told_unlabelled, without};
 use crate::reader::{self, Series};
-use crate::table::Table;
 use model::Error;
 use model::audit::column::Column;
 use model::audit::friction::{Excited, Motion, Terms, excited};
@@ -20,7 +19,7 @@ use model::audit::orders::{self, floor, rate, smallest_line, turns};
 use model::audit::times::Times;
 use model::session::Log;
 use model::settings::{Signals, healthy_class};
-use model::trace::{bridged, file_name, stem};
+use model::trace::{Labels, bridged, trace_name};
 
 /// Rows of the shortest trace; shorter ones are tables of something else.
 const FEWEST: usize = 8;
@@ -30,9 +29,9 @@ impl Audit {
     ///
     /// # Errors
     /// No trace, or channels that cannot be read.
-    pub fn audit(&self, files: &[PathBuf], log: &Log<'_>) -> Result<Outcome, Error> {
+    pub fn audit(&self, files: &[Candidate], log: &Log<'_>) -> Result<Outcome, Error> {
         let step = log.steps("auditing", files.len());
-        let each = |file: &PathBuf| {
+        let each = |file: &Candidate| {
             let found = self.look(file);
             step(1);
             found
@@ -41,15 +40,12 @@ impl Audit {
         let (mut traces, mut findings) = (Vec::new(), Vec::new());
         // A file that has no label and none of the channels is a table of something else.
         let labels = self.settings.data.labels.as_deref().map(crate::read_labels).transpose()?;
-        let is_other = |file: &Path| {
-            let name = file_name(file);
-            labels.as_ref().is_some_and(|labels| !labels.has(&name))
-        };
+        let is_other = |file: &Candidate| labels.is_some() && !file.is_labelled();
         for (file, found) in files.iter().zip(all) {
             match found {
                 Ok(found) => traces.extend(found),
-                Err(_) if is_other(file) => {}
-                Err(problem) => add(&mut findings, problem.to_string(), &file.display().to_string()),
+                Err(problem) if is_other(file) => log.warn([format!("left out {problem}")]),
+                Err(problem) => add(&mut findings, problem.to_string(), &file.file.display().to_string()),
             }
         }
         if traces.is_empty() {
@@ -57,9 +53,18 @@ impl Audit {
             return Err(Error::Usage(problem));
         }
         let short = traces.len();
-        traces.retain(|trace: &Audited| trace.values.first().is_some_and(|column| column.len() >= FEWEST));
+        let is_long = |trace: &Audited| trace.values.first().is_some_and(|column| column.len() >= FEWEST);
+        let other = traces.iter().filter(|trace| !is_long(trace)).map(|trace| PathBuf::from(&trace.id));
+        log.warn(without(other.collect::<Vec<_>>().iter(), &format!("fewer than {FEWEST} rows")));
+        traces.retain(is_long);
         if traces.is_empty() {
             return Err(Error::Usage(format!("{short} traces, none of {FEWEST} rows")));
+        }
+        if let Some(names) = labels.as_ref().map(Labels::names) {
+            let bare = traces.iter().filter(|trace| !names.has(&trace.id)).map(|trace| trace.id.clone());
+            let is_chosen = !self.settings.data.conditions.is_empty();
+            let then = if is_chosen { LEFT_OUT } else { "audited without a class" };
+            log.warn(told_unlabelled(&bare.collect::<Vec<_>>(), then));
         }
         if let Some(labels) = labels.as_ref().filter(|_| !self.settings.data.conditions.is_empty()) {
             let chosen = labels.select(&self.settings.data.conditions)?;
@@ -83,9 +88,9 @@ impl Audit {
         Ok(Outcome { traces, findings, rotor, lines, terms })
     }
 
-    fn look(&self, file: &Path) -> Result<Vec<Audited>, Error> {
+    fn look(&self, file: &Candidate) -> Result<Vec<Audited>, Error> {
         let time = self.settings.data.time.as_deref();
-        let table = Table::open_as(file, &self.settings.data.text_form())?;
+        let table = file.open(&self.settings.data.text_form())?;
         let (names, problems) = reader::numeric(&table, time)?;
         let of_columns = problems.iter().map(|problem| match problem {
             Error::Content { place, problem, .. } => format!("{place}: left out: {problem}"),
@@ -117,7 +122,7 @@ impl Audit {
             let [current, velocity, angle, velocity_ref, load] =
                 std::array::from_fn(|k| chosen[k].as_ref().and_then(of_name).map(whole));
             Audited {
-                id: stem(&series.id).to_string(),
+                id: trace_name(&series.id).into_owned(),
                 names: names.clone(),
                 left_out: left_out.clone(),
                 times,

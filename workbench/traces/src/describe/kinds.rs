@@ -10,7 +10,7 @@ use crate::table::Table;
 use model::Error;
 use model::session::Log;
 use model::settings::Data;
-use model::trace::{file_name, stem};
+use model::trace::{file_name, stem, words};
 
 /// A file that is not described, and why.
 pub(super) struct LeftOut {
@@ -46,7 +46,14 @@ pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>
     let step = log.steps("files", files.len());
     for file in files {
         let table = Table::open_as(file, &data.text_form());
-        let read = |table: Table| Ok((reader::numeric(&table, data.time.as_deref())?, table.names().to_vec()));
+        let read = |table: Table| {
+            let (numeric, problems) = reader::numeric(&table, data.time.as_deref())?;
+            let (labels, signals): (Vec<String>, Vec<String>) = numeric.into_iter().partition(|name| is_label(name));
+            let no_signal =
+                |name: &String| Error::content(file, format!("column {name}"), "the class of rows, no signal");
+            let problems = problems.into_iter().chain(labels.iter().map(no_signal)).collect();
+            Ok(((signals, problems), table.names().to_vec()))
+        };
         match table.and_then(read) {
             Ok(((numeric, problems), names)) => {
                 let own = (file.clone(), numeric, problems);
@@ -61,6 +68,12 @@ pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>
     }
     let kinds = all.into_iter().flat_map(|alike| alike.kinds(&mut left)).collect();
     (kinds, left)
+}
+
+/// Whether a column has the class of rows as a number, by its name.
+fn is_label(name: &str) -> bool {
+    const WORDS: [&str; 5] = ["label", "labels", "class", "klasse", "classe"];
+    words(name).iter().any(|word| WORDS.contains(&word.as_str()))
 }
 
 /// The reason of an error, without the name of the file.
@@ -127,7 +140,7 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
     own.files.sort_unstable();
     let mut seen: Vec<PathBuf> = Vec::new();
     for file in std::mem::take(&mut own.files) {
-        let same = |other: &&PathBuf| other.parent() == file.parent() && are_alike(other, &file);
+        let same = |other: &&PathBuf| is_one(other, &file);
         match seen.iter().find(same) {
             Some(first) => {
                 let reason = format!("the same name as {} in another format", file_name(first));
@@ -140,9 +153,9 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
     Some(own)
 }
 
-/// Whether labels name two files alike: without folder and format.
-pub(super) fn are_alike(one: &Path, other: &Path) -> bool {
-    stem(&file_name(one)) == stem(&file_name(other))
+/// Whether labels name two files alike: of one folder, without the format.
+pub(super) fn is_one(one: &Path, other: &Path) -> bool {
+    one.parent() == other.parent() && stem(&file_name(one)) == stem(&file_name(other))
 }
 
 #[cfg(test)]
@@ -177,5 +190,19 @@ mod tests {
         assert!(told[0].starts_with("bad.csv: line 3, column current_a: 1e306 is no measured value"), "{told:?}");
         assert_eq!(told[1], "c.txt: the same name as c.csv in another format");
         assert!(told[2].starts_with("words.csv: line 2, column a: \"x\" is not a number"), "{told:?}");
+    }
+
+    #[test]
+    fn columns_of_classes_are_no_signals_and_are_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, of_class) in [("a.csv", "label"), ("b.csv", "fault_class"), ("c.csv", "Klasse")] {
+            let file = folder.path().join(name);
+            std::fs::write(&file, format!("t_s,current_a,{of_class}\n0,1,2\n0.1,2,2\n0.2,3,2\n")).expect("writable");
+            let (all, mut left) = kinds(&[file], &Data::default(), &Log::new(&model::session::Quiet));
+            let own = most(all, &mut left).expect("a kind");
+            assert_eq!(own.names, ["current_a"]);
+            assert_eq!(own.columns_left, [format!("column {of_class}: the class of rows, no signal")]);
+        }
+        assert!(!is_label("classic_speed") && !is_label("velocity"));
     }
 }
