@@ -141,11 +141,15 @@ impl Files {
             output::plan(&[&self.out], &files)?;
         }
         let bar = output::progress("traces", files.len());
-        let (mut count, mut alone) = (0, None);
+        let (mut count, mut alone, mut left_out) = (0, None, Vec::new());
         for own in &candidates {
-            let Some((table, names)) = self.open(own)? else {
-                bar.inc(1);
-                continue;
+            let (table, names) = match self.open(own)? {
+                Ok(opened) => opened,
+                Err(reason) => {
+                    left_out.push(reason);
+                    bar.inc(1);
+                    continue;
+                }
             };
             let channels: Vec<String> = names.iter().map(|(_, channel)| channel.clone()).collect();
             let times = (data.time.as_deref(), data.rate_hz);
@@ -170,6 +174,10 @@ impl Files {
         bar.finish_and_clear();
         if count == 0 {
             return Err(self.nothing(&candidates));
+        }
+        left_out.iter().take(TOLD).for_each(|reason| output::warn(format!("left out {reason}")));
+        if left_out.len() > TOLD {
+            output::warn(format!("left out {} more files", left_out.len() - TOLD));
         }
         if let Some((names, times, columns)) = alone {
             save(&self.out, &names, times, columns)?;
@@ -208,28 +216,24 @@ impl Files {
         Ok(candidates)
     }
 
-    /// Opens a file; of a file in a folder that has no such recordings it says why.
-    fn open(&self, own: &Candidate) -> Result<Option<(Table, Columns)>, Error> {
+    /// Opens a file; of a file in a folder that has no such recordings it returns why.
+    fn open(&self, own: &Candidate) -> Result<Result<(Table, Columns), String>, Error> {
         let data = &self.taken.settings.data;
-        let left_out = |reason: String| {
-            output::warn(format!("left out {reason}"));
-            Ok(None)
-        };
         let table = match own.open(&data.text_form()) {
             // Such as a workbook of labels beside the traces of a folder.
-            Err(problem) if own.is_of_folder() && is_unread(&own.file) => return left_out(problem.to_string()),
+            Err(problem) if own.is_of_folder() && is_unread(&own.file) => return Ok(Err(problem.to_string())),
             table => table?,
         };
         let channels: Vec<String> = self.given_columns().into_iter().map(|(_, channel)| channel).collect();
         if own.is_of_folder() && !reader::has_channels(&table, data.time.as_deref(), &channels) {
-            return left_out(format!("{}: it lacks columns of {}", own.file.display(), channels.join(", ")));
+            return Ok(Err(format!("{}: it lacks columns of {}", own.file.display(), channels.join(", "))));
         }
         let names = self.names(&table)?;
         if names.is_empty() {
             let problem = Error::content(table.path(), "header", "no column of numbers");
-            return if own.is_of_folder() { left_out(problem.to_string()) } else { Err(problem) };
+            return if own.is_of_folder() { Ok(Err(problem.to_string())) } else { Err(problem) };
         }
-        Ok(Some((table, names)))
+        Ok(Ok((table, names)))
     }
 
     /// Makes the folder of a file: the one of all, and those that are in the name of a trace.

@@ -75,6 +75,8 @@ impl Walk<'_> {
     /// # Errors
     /// A folder that cannot be read; one below it is left out.
     pub fn of(&self, folder: &Path) -> Result<Walked, Error> {
+        // The parts of a path are without `/./`.
+        let folder = &folder.components().collect::<PathBuf>();
         let mut walked = Walked::default();
         let mut state = State { entered: HashSet::new(), links: VecDeque::new() };
         state.entered.extend(folder.canonicalize().ok());
