@@ -47,6 +47,8 @@ struct Name {
     keys: Vec<(String, String)>,
     /// Its runs, the outermost first.
     runs: Vec<String>,
+    /// Number of these that are folders.
+    folder_runs: usize,
     /// The name of the file without its runs, in lower case.
     rest: String,
     words: Vec<String>,
@@ -82,6 +84,7 @@ impl Name {
             }
         }
         let (own_runs, rest) = runs_of(&whole, is_test_a_run);
+        let folder_runs = runs.len();
         runs.extend(own_runs);
         let (lower, rest) = (whole.to_lowercase(), plain(&rest));
         let all = rest.split(|c: char| !c.is_alphabetic()).filter(|word| word.chars().count() > 1);
@@ -99,6 +102,7 @@ impl Name {
             folders,
             keys,
             runs,
+            folder_runs,
             rest,
         }
     }
@@ -132,9 +136,11 @@ pub(super) fn labels(files: &[PathBuf], naming: &Naming) -> Result<(String, Told
     let names: Vec<Name> = files.iter().map(|file| Name::of(file, naming, is_test_a_run)).collect();
     let (classes, told) = classes(&names);
     let mut columns = vec![("trace".to_string(), names.iter().map(|name| name.trace.clone()).collect())];
+    let folders = further_folders(&names, &classes);
+    let runs = runs(&names, &classes);
     columns.push(("class_name".into(), classes));
-    columns.extend(runs(&names).map(|runs| ("run".into(), runs)));
-    columns.extend(keyed(&names));
+    columns.extend(runs.map(|runs| ("run".into(), runs)));
+    columns.extend(keyed(&names).into_iter().chain(folders));
     columns.extend(numbered("n", &names, |name| &name.numbers));
     columns.extend(numbered("code", &names, |name| &name.codes));
     if names.iter().any(|name| !name.set.is_empty()) {
@@ -148,13 +154,40 @@ pub(super) fn labels(files: &[PathBuf], naming: &Naming) -> Result<(String, Told
 type Column = (String, Vec<String>);
 
 /// The run of each file, if names tell runs: of several in one name the outermost one that is not that of all files. A
-/// file without one is a run of its own.
-fn runs(names: &[Name]) -> Option<Vec<String>> {
+/// file without one is a run of its own. Where files of one class in several folders have the same, the folders are in
+/// it: numbers start again in each.
+fn runs(names: &[Name], classes: &[String]) -> Option<Vec<String>> {
     let most = names.iter().map(|name| name.runs.len()).max().filter(|most| *most > 0)?;
     let of = |k: usize| names.iter().map(|name| name.runs.get(k)).collect::<BTreeSet<_>>();
     let level = (0..most).find(|k| of(*k).len() > 1).unwrap_or(0);
     let run = |name: &Name| name.runs.get(level).or(name.runs.last()).unwrap_or(&name.trace).clone();
-    Some(names.iter().map(run).collect())
+    let all: Vec<String> = names.iter().map(run).collect();
+    let is_own = |name: &Name| level >= name.folder_runs && !name.runs.is_empty();
+    let mut seen: BTreeMap<(&String, &String), &Vec<String>> = BTreeMap::new();
+    let mut starts_again = false;
+    for ((name, run), class) in names.iter().zip(&all).zip(classes).filter(|((name, _), _)| is_own(name)) {
+        starts_again |= *seen.entry((class, run)).or_insert(&name.folders) != &name.folders;
+    }
+    let whole = |(name, run): (&Name, &String)| match starts_again && is_own(name) && !name.folders.is_empty() {
+        true => format!("{}/{run}", name.folders.join("/")),
+        false => run.clone(),
+    };
+    Some(names.iter().zip(&all).map(whole).collect())
+}
+
+/// A column for each level of folders in which files differ and that is not their class.
+fn further_folders(names: &[Name], classes: &[String]) -> Vec<Column> {
+    let depth = names.iter().map(|name| name.folders.len()).max().unwrap_or(0);
+    let level = |k: usize| -> Vec<String> {
+        names.iter().map(|name| name.folders.get(k).cloned().unwrap_or_default()).collect()
+    };
+    let is_class = |cells: &Vec<String>| {
+        let mut pairs = cells.iter().zip(classes);
+        pairs.all(|(cell, class)| cell.is_empty() || class.split('/').any(|part| part == cell))
+    };
+    let differs = |cells: &Vec<String>| cells.iter().any(|cell| *cell != cells[0]);
+    let all = (0..depth).map(|k| (format!("folder{}", k + 1), level(k)));
+    all.filter(|(_, cells)| differs(cells) && !is_class(cells)).collect()
 }
 
 /// A column for each key of folders that is neither the class nor a run.
@@ -359,6 +392,9 @@ mod tests {
         // The level with words of health is the class, whatever is around it.
         let around = of(&["d/m1/healthy/800rpm/a.csv", "d/m1/worn/800rpm/a.csv", "d/m2/worn/900rpm/a.csv"]);
         assert_eq!(around, (["healthy", "worn", "worn"].map(String::from).to_vec(), Told::Folders));
+        // Numbers of recordings start again in each folder, and the machines are a column.
+        let (text, _) = written(&["d/m1/ok/rec1.csv", "d/m1/worn/rec1.csv", "d/m2/ok/rec1.csv", "d/m2/worn/rec1.csv"]);
+        assert!(text.starts_with("trace,class_name,run,folder1,n1\nm1/ok/rec1,ok,m1/ok/rec1,m1,1\n"), "{text}");
         // Runs are no classes: those are in the names.
         let (text, told) = written(&["d/run_1/gut_a.csv", "d/run_2/gut_b.csv", "d/run_2/nio_a.csv"]);
         assert_eq!(told, Told::Names);
