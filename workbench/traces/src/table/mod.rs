@@ -172,6 +172,7 @@ impl Table {
     }
 
     /// A table in memory; messages name it as a file.
+    #[must_use]
     pub fn of(recorded: &Arc<Recorded>) -> Self {
         let names = recorded.names().map(|name| composed(name).into_owned()).collect();
         Self {
