@@ -209,14 +209,19 @@ fn numbered(title: &str, names: &[Name], parts: fn(&Name) -> &Vec<String>) -> Ve
 /// The class of each file.
 fn classes(names: &[Name]) -> (Vec<String>, Told) {
     let (by_name, told) = classes_by_name(names);
+    let by_folder = classes_by_folder(names, told);
+    // A file beside the folders may have the name of one of them as a word.
+    let known: BTreeSet<&String> = by_folder.iter().flatten().flatten().collect();
     let or_name = |class: Option<&str>, k: usize| {
-        let own = &by_name[k];
-        class.map_or_else(|| if told == Told::Names { own.clone() } else { UNNAMED.into() }, String::from)
+        let of_folder =
+            || known.iter().find(|class| names[k].words.contains(&class.to_lowercase())).map(|own| (*own).clone());
+        let of_name = || (told == Told::Names).then(|| by_name[k].clone());
+        class.map(String::from).or_else(of_folder).or_else(of_name).unwrap_or_else(|| UNNAMED.into())
     };
     if names.iter().any(|name| name.keyed_class().is_some()) {
         return (names.iter().enumerate().map(|(k, name)| or_name(name.keyed_class(), k)).collect(), Told::Folders);
     }
-    match classes_by_folder(names, told) {
+    match &by_folder {
         Some(all) => (all.iter().enumerate().map(|(k, class)| or_name(class.as_deref(), k)).collect(), Told::Folders),
         None => (by_name, told),
     }
@@ -404,5 +409,6 @@ mod tests {
         // Beside folders a file says its class itself, or has none.
         let (all, _) = of(&["d/healthy_3.csv", "d/7.csv", "d/outer/1.csv", "d/outer/2.csv"]);
         assert_eq!((all[1].as_str(), all[2].as_str()), (UNNAMED, "outer"));
+        assert_eq!(of(&["d/sound_3.csv", "d/Sound/1.csv", "d/outer/2.csv"]).0[0], "Sound");
     }
 }
