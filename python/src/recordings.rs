@@ -83,7 +83,7 @@ pub(crate) fn audit(
     let audit = Audit { settings: settings_of(&AUDIT, drive, options)? };
     detached(py, || {
         let log = Log::new(&Quiet);
-        let outcome = audit.audit(&traces::files(&audit.paths()?)?, &log)?;
+        let outcome = audit.audit(&audit.listing(&log)?, &log)?;
         Ok((outcome.lines(audit.false_alarm()), outcome.to_json().to_string(), log.take()))
     })
     .map_err(raised)

@@ -8,6 +8,7 @@ use super::output;
 use model::Error;
 use pages::Page;
 use pages::audit::{LineLevels, Recording, Spectrum, page};
+use traces::Candidate;
 use traces::audit::{Audit, Audited, Line, Outcome};
 
 /// What recordings are worth: rate, gaps, held and saturated samples, lags, equal traces, the smallest line of an order
@@ -31,7 +32,7 @@ pub(super) fn run(args: &Args) -> Result<bool, Error> {
     let audit = Audit { settings: args.taken.settings.clone() };
     let paths = audit.paths()?;
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &paths)?;
-    let outcome = output::logged(|log| audit.audit(&traces::files(&paths)?, log))?;
+    let outcome = output::logged(|log| audit.audit(&audit.listing(log)?, log))?;
     if let Some(path) = &args.report {
         output::write(path, args.taken.on_page(page_with(&audit, &outcome).render()))?;
     }
@@ -49,7 +50,7 @@ const SHOWN: usize = 4;
 /// The page of one file with the usual settings.
 pub(super) fn page_of(file: &Path) -> Result<Page, Error> {
     let audit = Audit::usual(file);
-    let outcome = output::logged(|log| audit.audit(&[file.to_path_buf()], log))?;
+    let outcome = output::logged(|log| audit.audit(&[Candidate::given(file)], log))?;
     Ok(page_with(&audit, &outcome))
 }
 

@@ -6,7 +6,7 @@ use super::output;
 use model::Error;
 use model::near::among;
 use model::settings::HEALTHY_NAMES;
-use model::trace::stem;
+use model::trace::{TraceNames, file_name, stem, trace_name};
 use traces::read_labels;
 
 /// File an alarm as false or true: label its recordings for the next training
@@ -84,7 +84,7 @@ impl Args {
             let problem = format!("{} is no file; name the recordings of the alarm", trace.display());
             return Err(Error::Usage(problem));
         }
-        let id = stem(&trace.file_name().unwrap_or_default().to_string_lossy()).to_owned();
+        let id = stem(&file_name(trace)).to_owned();
         let column = |name: &str| {
             table[0].iter().position(|column| column == name).ok_or_else(|| {
                 let problem = format!("no column {name}{}", among(name, &table[0]));
@@ -99,7 +99,10 @@ impl Args {
             }
             cells.push((column(name)?, value.clone()));
         }
-        let labelled = table.iter().skip(1).position(|row| stem(&row[id_place]) == id);
+        let whole = traces::whole_name(trace);
+        let names = TraceNames::of(table.iter().skip(1).map(|row| trace_name(&row[id_place]).into_owned()));
+        let known = names.longest(&whole);
+        let labelled = table.iter().skip(1).position(|row| known == Some(&*trace_name(&row[id_place])));
         let place = labelled.map_or(table.len(), |place| place + 1);
         if labelled.is_none() {
             let mut row = vec![String::new(); table[0].len()];

@@ -6,13 +6,14 @@ use super::jobs::Convert;
 use super::options::Taken;
 use super::output;
 use model::Error;
-use model::outputs::Staged;
-use model::trace::stem;
+use model::outputs::{Staged, folder_of};
+use model::trace::trace_name;
 use traces::reader::{self, Series};
 use traces::resample::{Resampled, at_rate};
 use traces::table;
 use traces::table::{Table, is_unread};
 use traces::units::{Quantity, Unit};
+use traces::{Candidate, Listing};
 
 /// The name of the time in files that are written.
 const TIME: &str = "t_s";
@@ -74,14 +75,14 @@ const TOLD: usize = 3;
 pub(super) fn convert(args: &ConvertArgs) -> Result<(), Error> {
     args.files.run(&|_, series| {
         let Series { id, times_s, columns } = series;
-        Ok(vec![(stem(&id).to_string(), times_s, columns)])
+        Ok(vec![(trace_name(&id).into_owned(), times_s, columns)])
     })
 }
 
 pub(super) fn resample(args: &ResampleArgs) -> Result<(), Error> {
     let rate_hz = args.to_hz;
     args.files.run(&|names, series| {
-        let id = stem(&series.id).to_string();
+        let id = trace_name(&series.id).into_owned();
         let times = series.times_s.as_deref().ok_or_else(|| {
             Error::trace(&id, "no time column with a usual name; name it with --time, or give --rate-hz")
         })?;
@@ -121,6 +122,9 @@ fn turn(name: &str) -> Option<f64> {
     Unit::named("turn")?.to(&unit).map(|(factor, _)| factor)
 }
 
+/// Names and channels of columns.
+type Columns = Vec<(String, String)>;
+
 /// Id, times and columns of a trace that is written.
 type Written = (String, Option<Vec<f64>>, Vec<Vec<f64>>);
 
@@ -130,34 +134,31 @@ type Make<'a> = &'a dyn Fn(&[(String, String)], Series) -> Result<Vec<Written>, 
 impl Files {
     fn run(&self, make: Make<'_>) -> Result<(), Error> {
         let data = &self.taken.settings.data;
-        let files = traces::files(&self.taken.settings.data.traces)?;
+        let candidates = self.candidates()?;
+        let files: Vec<PathBuf> = candidates.iter().map(|own| own.file.clone()).collect();
         let into_folder = self.out.is_dir() || self.out.extension().is_none();
         if !into_folder {
             output::plan(&[&self.out], &files)?;
         }
         let bar = output::progress("traces", files.len());
-        let (mut count, mut alone) = (0, None);
-        for file in &files {
-            let table = match Table::open_as(file, &data.text_form()) {
-                // Such as a workbook of labels beside the traces of a folder.
-                Err(problem) if is_unread(file) && !data.traces.contains(file) => {
-                    log::warn!("left out {problem}");
+        let (mut count, mut alone, mut left_out) = (0, None, Vec::new());
+        for own in &candidates {
+            let (table, names) = match self.open(own)? {
+                Ok(opened) => opened,
+                Err(reason) => {
+                    left_out.push(reason);
                     bar.inc(1);
                     continue;
                 }
-                table => table?,
             };
-            let names = self.names(&table)?;
             let channels: Vec<String> = names.iter().map(|(_, channel)| channel.clone()).collect();
             let times = (data.time.as_deref(), data.rate_hz);
             for series in reader::series(&table, times, &channels)? {
                 for (id, times, columns) in make(&names, series)? {
                     count += 1;
                     if into_folder {
-                        if !self.out.is_dir() {
-                            std::fs::create_dir(&self.out).map_err(Error::io(&self.out))?;
-                        }
                         let path = self.out.join(format!("{id}.{}", self.format));
+                        self.make_folder(&path)?;
                         output::plan(&[&path], &files)?;
                         save(&path, &names, times, columns)?;
                     } else if alone.replace((names.clone(), times, columns)).is_some() {
@@ -171,27 +172,99 @@ impl Files {
             bar.inc(1);
         }
         bar.finish_and_clear();
+        if count == 0 {
+            return Err(self.nothing(&candidates));
+        }
+        left_out.iter().take(TOLD).for_each(|reason| output::warn(format!("left out {reason}")));
+        if left_out.len() > TOLD {
+            output::warn(format!("left out {} more files", left_out.len() - TOLD));
+        }
         if let Some((names, times, columns)) = alone {
             save(&self.out, &names, times, columns)?;
         }
         output::say(format!("{count} traces in {}", self.out.display()))
     }
 
-    /// Names and channels of the columns of a file.
-    fn names(&self, table: &Table) -> Result<Vec<(String, String)>, Error> {
+    /// Why nothing is converted: the problem of the first file.
+    fn nothing(&self, candidates: &[Candidate]) -> Error {
+        let data = &self.taken.settings.data;
+        let read = |own: &Candidate| {
+            let channels: Vec<String> = self.given_columns().into_iter().map(|(_, channel)| channel).collect();
+            reader::series(&own.open(&data.text_form())?, (data.time.as_deref(), data.rate_hz), &channels)
+        };
+        let problem = candidates.iter().find_map(|own| read(own).err());
+        let given: Vec<String> = data.traces.iter().map(|path| path.display().to_string()).collect();
+        problem.unwrap_or_else(|| Error::Usage(format!("no recording in {}", given.join(", "))))
+    }
+
+    /// The files that are converted. What was written below the recordings before is left out.
+    fn candidates(&self) -> Result<Vec<Candidate>, Error> {
+        let given = &self.taken.settings.data.traces;
+        let Listing { mut candidates, left_out } = Listing::without_labels(given, None)?;
+        left_out.iter().for_each(output::warn);
+        let whole = |path: &Path| path.canonicalize().ok();
+        let Some(out) = whole(&self.out).filter(|out| !given.iter().any(|path| whole(path).as_ref() == Some(out)))
+        else {
+            return Ok(candidates);
+        };
+        let count = candidates.len();
+        candidates.retain(|own| !(own.is_of_folder() && whole(&own.file).is_some_and(|file| file.starts_with(&out))));
+        if candidates.len() < count {
+            let out = self.out.display();
+            output::warn(format!("left out {} files: {out}: traces are written there", count - candidates.len()));
+        }
+        Ok(candidates)
+    }
+
+    /// Opens a file; of a file in a folder that has no such recordings it returns why.
+    fn open(&self, own: &Candidate) -> Result<Result<(Table, Columns), String>, Error> {
+        let data = &self.taken.settings.data;
+        let table = match own.open(&data.text_form()) {
+            // Such as a workbook of labels beside the traces of a folder.
+            Err(problem) if own.is_of_folder() && is_unread(&own.file) => return Ok(Err(problem.to_string())),
+            table => table?,
+        };
+        let channels: Vec<String> = self.given_columns().into_iter().map(|(_, channel)| channel).collect();
+        if own.is_of_folder() && !reader::has_channels(&table, data.time.as_deref(), &channels) {
+            return Ok(Err(format!("{}: it lacks columns of {}", own.file.display(), channels.join(", "))));
+        }
+        let names = self.names(&table)?;
+        if names.is_empty() {
+            let problem = Error::content(table.path(), "header", "no column of numbers");
+            return if own.is_of_folder() { Ok(Err(problem.to_string())) } else { Err(problem) };
+        }
+        Ok(Ok((table, names)))
+    }
+
+    /// Makes the folder of a file: the one of all, and those that are in the name of a trace.
+    fn make_folder(&self, path: &Path) -> Result<(), Error> {
+        let folder = folder_of(path);
+        if folder.is_dir() {
+            return Ok(());
+        }
+        if !self.out.is_dir() {
+            std::fs::create_dir(&self.out).map_err(Error::io(&self.out))?;
+        }
+        std::fs::create_dir_all(folder).map_err(Error::io(folder))
+    }
+
+    /// Names and channels of the columns that are given.
+    fn given_columns(&self) -> Columns {
+        let pair = |text: &String| {
+            let (name, channel) = text.split_once('=').unwrap_or((text, text));
+            (name.trim().to_string(), channel.trim().to_string())
+        };
+        self.columns.iter().map(pair).collect()
+    }
+
+    /// Names and channels of the columns of a file: those that are given, or all of numbers.
+    fn names(&self, table: &Table) -> Result<Columns, Error> {
         if !self.columns.is_empty() {
-            let pair = |text: &String| {
-                let (name, channel) = text.split_once('=').unwrap_or((text, text));
-                (name.trim().to_string(), channel.trim().to_string())
-            };
-            return Ok(self.columns.iter().map(pair).collect());
+            return Ok(self.given_columns());
         }
         let (names, left_out) = reader::numeric(table, self.taken.settings.data.time.as_deref())?;
         for problem in left_out {
             output::warn(format!("{problem}; the column is left out"));
-        }
-        if names.is_empty() {
-            return Err(Error::content(table.path(), "header", "no column of numbers"));
         }
         Ok(names.into_iter().map(|name| (name.clone(), name)).collect())
     }

@@ -20,8 +20,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     labels: Option<PathBuf>,
     /// Where labels are written if there are none; by default labels.csv beside the drive file. The words of a file's
-    /// name are its class: unbalanced_800_3.csv is unbalanced. Folders are classes too; if nothing tells
-    /// classes, all files are called reference
+    /// name are its class, and words such as Lauf01 its run: unbalanced_run2_800.csv is unbalanced. Folders are classes
+    /// and runs too, also such as class=healthy/run=3; if nothing tells classes, all files are called reference
     #[arg(long, value_name = "FILE", conflicts_with = "labels")]
     labels_from_names: Option<PathBuf>,
     /// The file; by default drive.toml in the folder of the first trace, or here if that cannot be written

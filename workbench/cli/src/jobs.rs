@@ -18,7 +18,7 @@ macro_rules! jobs {
 }
 
 const WHERE: (&str, &str) = ("test_where", "Only the rows with this, e.g. 'run>4'; may be repeated, all must hold");
-const TRACES: (&str, &str) = ("traces", "Trace files or folders");
+const TRACES: (&str, &str) = ("traces", "Trace files or folders, with all folders below");
 const FITTED: &[&str] = &["traces", "y", "u1", "order"];
 const STRUCTURE: &[&str] = &["order", "offset"];
 

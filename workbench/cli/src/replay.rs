@@ -21,6 +21,7 @@ use model::train::front_end_source::further_columns;
 use pages::Page;
 use pages::conclusion::replay::Conclusion;
 use pages::replay::{Replayed, page};
+use traces::Source;
 use traces::front_end::raw_rows;
 
 /// Run traces through the embedded detector and print its verdict on every segment, and the alarm
@@ -56,7 +57,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let ModelFile { model, notes } = ModelFile::read(&args.model)?;
     let (mut values, mut replayed) = (Vec::new(), Vec::new());
     let mut stream = model.stream();
-    let traces = traces::read(&args.taken.settings.data.traces, &notes.channels)?;
+    let traces = args.traces(&notes)?;
     irregular(traces.iter()).iter().chain(&refused(traces.iter())).for_each(output::warn);
     if let Some(told) = told(traces.iter()).filter(|_| !args.json) {
         output::say(told)?;
@@ -143,6 +144,17 @@ fn run_line(model: &Embedded, orders: &[String], watched: &Watched) -> String {
 }
 
 impl Args {
+    /// Reads the traces; those that labels name have these names.
+    fn traces(&self, notes: &Notes) -> Result<Vec<Trace>, Error> {
+        let data = &self.taken.settings.data;
+        let names = data.labels.as_deref().map(|file| Ok(traces::read_labels(file)?.names())).transpose()?;
+        let source = match names {
+            Some(names) => Source::Labelled(data.traces.clone(), names),
+            None => Source::Files(data.traces.clone()),
+        };
+        source.read(&notes.channels)
+    }
+
     /// Whether a run ends with each of these traces.
     fn run_ends(&self, notes: &Notes, traces: &[Trace]) -> Result<Vec<bool>, Error> {
         let Settings { data, validation, .. } = &self.taken.settings;

@@ -9,12 +9,11 @@ use std::path::{Path, PathBuf};
 
 use super::Plan;
 use model::Error;
+use model::trace::file_name;
+use traces::walk::{Walk, key_of};
 
 /// Name of the plan of all parts of a folder.
 const OF_FOLDER: &str = "plan.json";
-/// Value of a key that is missing, in the convention of Hive.
-const MISSING: &str = "__HIVE_DEFAULT_PARTITION__";
-
 /// The file with the plan beside a part.
 #[must_use]
 pub fn plan_file(part: &Path) -> PathBuf {
@@ -27,7 +26,7 @@ pub(super) fn plan_beside(part: &Path) -> Result<Option<Plan>, Error> {
     let mut files = vec![plan_file(part)];
     while let Some(own) = folder {
         files.push(own.join(OF_FOLDER));
-        folder = key(own).and_then(|_| own.parent());
+        folder = key_of(&file_name(own)).and_then(|_| own.parent());
     }
     files.iter().find(|file| file.is_file()).map(|file| read_plan(file)).transpose()
 }
@@ -38,41 +37,26 @@ pub(super) fn read_plan(file: &Path) -> Result<Plan, Error> {
     Plan::parse(&text).map_err(|problem| Error::content(file, "content", problem))
 }
 
-/// Key and value of a folder that is named `key=value`.
-fn key(folder: &Path) -> Option<(String, String)> {
-    let (key, value) = folder.file_name()?.to_str()?.split_once('=')?;
-    (!key.is_empty()).then(|| (unescaped(key), unescaped(value)))
-}
-
 /// The keys of the folders of a part, the innermost first.
 pub(super) fn keys(part: &Path) -> Vec<(String, String)> {
-    let folders = part.ancestors().skip(1).map_while(key);
-    folders.map(|(key, value)| (key, if value == MISSING { String::new() } else { value })).collect()
-}
-
-/// Text with `%20` and the like as characters.
-fn unescaped(text: &str) -> String {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(at) = rest.find('%') {
-        let (before, from) = rest.split_at(at);
-        bytes.extend(before.bytes());
-        let code = from.get(1..3).and_then(|digits| u8::from_str_radix(digits, 16).ok());
-        bytes.push(code.unwrap_or(b'%'));
-        rest = &from[if code.is_some() { 3 } else { 1 }..];
-    }
-    bytes.extend(rest.bytes());
-    String::from_utf8(bytes).unwrap_or_else(|_| text.into())
+    part.ancestors().skip(1).map_while(|folder| key_of(&file_name(folder))).collect()
 }
 
 /// These files, and the parts and sums in these folders and below; names with a leading `_` or `.` are left out, as in
 /// lakes.
 pub(super) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let is_part = |path: &Path| path.extension().is_some_and(|end| end == "parquet" || end == "sums");
+    let is_scratch = |path: &Path| file_name(path).starts_with('_');
+    let walk = Walk {
+        links: false,
+        takes: &|path| is_part(path) && !is_scratch(path),
+        skips: &|folder| is_scratch(folder).then(|| "its name begins with _".into()),
+    };
     let mut all = Vec::new();
     for path in paths {
         let before = all.len();
         if path.is_dir() {
-            gather(path, &mut all)?;
+            all.extend(walk.of(path)?.files);
         } else {
             all.push(path.clone());
         }
@@ -81,22 +65,6 @@ pub(super) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
         }
     }
     Ok(all)
-}
-
-fn gather(folder: &Path, all: &mut Vec<PathBuf>) -> Result<(), Error> {
-    let entries = std::fs::read_dir(folder).map_err(Error::io(folder))?;
-    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    paths.retain(|path| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(['_', '.'])));
-    paths.sort();
-    for path in paths {
-        // A link to a folder may lead back to it.
-        if path.is_dir() && !path.is_symlink() {
-            gather(&path, all)?;
-        } else if path.is_file() && path.extension().is_some_and(|end| end == "parquet" || end == "sums") {
-            all.push(path);
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -113,9 +81,6 @@ mod tests {
         );
         assert_eq!(of("lake/run=__HIVE_DEFAULT_PARTITION__/p.parquet"), [pair("run", "")]);
         assert_eq!((of("p.parquet"), of("lake/=3/p.parquet")), (vec![], vec![]));
-        for (text, plain) in [("100%", "100%"), ("%C3%A4", "ä"), ("%ff", "%ff"), ("a%2", "a%2"), ("%", "%")] {
-            assert_eq!(unescaped(text), plain);
-        }
     }
 
     #[test]

@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::labels::read_labels;
-use crate::{Candidate, Source, candidates};
+use crate::listing::{LEFT_OUT, told_unlabelled, unlabelled};
+use crate::table::Table;
+use crate::{Candidate, Listing, Source};
 use model::Error;
 use model::session::{Given, Piece, TemperatureColumn, TraceSource};
 use model::settings::Settings;
-use model::trace::{Channels, FrontEndFile, Labels, Recorded, Trace};
+use model::trace::{Channels, FrontEndFile, Labels, Recorded, Trace, TraceNames};
 
 /// Tables that take the place of files.
 #[derive(Clone, Debug, Default)]
@@ -43,8 +45,8 @@ pub fn given_without_front_end(settings: &Settings, memory: Memory) -> Result<Gi
     };
     let source = match memory.traces {
         Some(tables) => Source::Memory(tables),
-        None if traces.is_empty() => Source::Files(vec![folder_of(file.as_deref())]),
-        None => Source::Files(traces.clone()),
+        None if traces.is_empty() => Source::Labelled(vec![folder_of(file.as_deref())], labels.0.names()),
+        None => Source::Labelled(traces.clone(), labels.0.names()),
     };
     let (labels, file) = labels;
     Ok(Given { labels, file, source: Box::new(source), front_end: None })
@@ -73,8 +75,20 @@ impl TraceSource for Source {
         self.temperature_columns(channels, wanted)
     }
 
+    fn left_out(&self, channels: &Channels, names: &TraceNames) -> Result<Vec<String>, Error> {
+        Ok(match self {
+            Self::Files(paths) | Self::Labelled(paths, _) => {
+                Listing::of(paths, Some(names))?.beside_labels(channels, names)
+            }
+            Self::Memory(tables) => {
+                let all = tables.iter().flat_map(|table| unlabelled(&Table::of(table), names));
+                told_unlabelled(&all.collect::<Vec<_>>(), LEFT_OUT).into_iter().collect()
+            }
+        })
+    }
+
     fn pieces(&self) -> Result<Vec<Box<dyn Piece>>, Error> {
-        let all = candidates(Self::paths(self))?;
+        let all = Listing::of(Self::paths(self), self.names())?.candidates;
         Ok(all.into_iter().map(|candidate| -> Box<dyn Piece> { Box::new(candidate) }).collect())
     }
 }
@@ -82,6 +96,10 @@ impl TraceSource for Source {
 impl Piece for Candidate {
     fn file(&self) -> &Path {
         &self.file
+    }
+
+    fn name(&self) -> String {
+        self.id()
     }
 
     fn read(&self, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Option<Vec<Trace>>, Error> {

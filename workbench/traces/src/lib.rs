@@ -11,6 +11,8 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | [`walk`] | the files of folders and of those below them |
+//! | [`Listing`] | the files that may have traces, and their names |
 //! | [`table`] | named columns of a file of any format, or in memory |
 //! | [`reader`] | columns → traces: one file a trace, or a table with a column of their names |
 //! | `table_header` | which columns are the time, the traces and signals |
@@ -35,6 +37,8 @@ pub mod describe;
 pub mod front_end;
 pub mod given;
 mod labels;
+mod listing;
+mod naming;
 pub mod reader;
 pub mod resample;
 mod row_times;
@@ -46,6 +50,7 @@ mod time;
 mod turning;
 pub mod units;
 mod usual_rate;
+pub mod walk;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -55,21 +60,25 @@ use rayon::prelude::*;
 
 use model::Error;
 
+use listing::{LACKING, read_table, without};
+
 pub use labels::read_labels;
-use model::trace::{Channels, Recorded, Trace, is_known, stem};
+pub use listing::{Candidate, Listing, is_trace};
+use model::trace::{Channels, Recorded, Trace, TraceNames, trace_name};
+pub use naming::whole_name;
 pub use table::LARGEST;
 use table::Table;
 
 /// Reads every trace of the given files and folders.
 ///
-/// In a folder, the files of known formats with the wanted columns are read (others, for example labels or parameter
+/// In a folder and those below it, the files of known formats with the wanted columns are read (others, for example labels or parameter
 /// tables, are skipped); a file given directly must have the columns.
 ///
 /// # Errors
 /// Unreadable files; missing columns; ragged rows; cells that are neither numbers nor missing; a channel without a
 /// number; an id that occurs twice; no trace.
 pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error> {
-    read_files(paths, channels, None)
+    read_files((paths, None), channels, None)
 }
 
 /// Where traces come from.
@@ -77,6 +86,8 @@ pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error>
 pub enum Source {
     /// Files, and folders of files.
     Files(Vec<PathBuf>),
+    /// The same, with the names that labels give.
+    Labelled(Vec<PathBuf>, TraceNames),
     /// Tables in memory.
     Memory(Vec<Arc<Recorded>>),
 }
@@ -86,8 +97,16 @@ impl Source {
     #[must_use]
     pub fn paths(&self) -> &[PathBuf] {
         match self {
-            Self::Files(paths) => paths,
+            Self::Files(paths) | Self::Labelled(paths, _) => paths,
             Self::Memory(_) => &[],
+        }
+    }
+
+    /// The names that labels give.
+    fn names(&self) -> Option<&TraceNames> {
+        match self {
+            Self::Labelled(_, names) => Some(names),
+            Self::Files(_) | Self::Memory(_) => None,
         }
     }
 
@@ -102,7 +121,7 @@ impl Source {
         wanted: &(dyn Fn(&str) -> bool + Sync),
     ) -> Result<Vec<Trace>, Error> {
         match self {
-            Self::Files(paths) => read_files(paths, channels, Some(wanted)),
+            Self::Files(paths) | Self::Labelled(paths, _) => read_files((paths, self.names()), channels, Some(wanted)),
             Self::Memory(tables) => {
                 let mut gathered = Gathered::default();
                 for table in tables {
@@ -119,7 +138,7 @@ impl Source {
     /// The errors of [`read`].
     pub fn read(&self, channels: &Channels) -> Result<Vec<Trace>, Error> {
         match self {
-            Self::Files(paths) => read_files(paths, channels, None),
+            Self::Files(paths) | Self::Labelled(paths, _) => read_files((paths, self.names()), channels, None),
             Self::Memory(_) => self.read_wanted(channels, &|_| true),
         }
     }
@@ -141,6 +160,9 @@ struct Gathered {
     origins: Origins,
 }
 
+/// The remedy of a name that two files have.
+const TWICE: &str = "give each id once, or give the labels the folders too, such as run_1/NAME";
+
 /// The file of each trace.
 #[derive(Debug, Default)]
 pub struct Origins(HashMap<String, PathBuf>);
@@ -151,23 +173,15 @@ impl Origins {
     /// # Errors
     /// An id that another file has too.
     pub fn add(&mut self, id: &str, file: &Path) -> Result<(), Error> {
-        let Some(first) = self.0.insert(stem(id).to_string(), file.to_path_buf()) else { return Ok(()) };
+        let Some(first) = self.0.insert(trace_name(id).into_owned(), file.to_path_buf()) else { return Ok(()) };
         let (first, second) = (first.display(), file.display());
-        Err(Error::trace(id, format!("comes twice, in {first} and {second}; give each id once")))
+        Err(Error::trace(id, format!("comes twice, in {first} and {second}; {TWICE}")))
     }
 
     /// Whether a trace has come.
     #[must_use]
     pub fn has(&self, id: &str) -> bool {
-        self.0.contains_key(id)
-    }
-}
-
-/// Reads the wanted traces of one table.
-fn read_table(table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Vec<Trace>, Error> {
-    match &channels.front_end {
-        Some(front_end) => cleaned_reader::read(table, channels, front_end, wanted),
-        None => reader::read(table, channels, wanted),
+        self.0.contains_key(&*trace_name(id))
     }
 }
 
@@ -201,116 +215,29 @@ impl Gathered {
     }
 }
 
-fn has_columns(table: &Table, channels: &Channels) -> bool {
-    match &channels.front_end {
-        Some(front_end) => cleaned_reader::has_columns(table, channels, front_end),
-        None => reader::has_columns(table, channels),
-    }
-}
-
+/// Reads the wanted traces of files; what labels do not name is told by who reads them.
 fn read_files(
-    paths: &[PathBuf],
+    (paths, names): (&[PathBuf], Option<&TraceNames>),
     channels: &Channels,
     wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
 ) -> Result<Vec<Trace>, Error> {
-    let candidates = candidates(paths)?;
+    let Listing { candidates, left_out } = Listing::of(paths, names)?;
     let read: Vec<Result<Option<Vec<Trace>>, Error>> =
         candidates.par_iter().map(|candidate| candidate.read(channels, wanted)).collect();
-    let (mut gathered, mut files) = (Gathered::default(), 0);
+    let (mut gathered, mut files, mut lacking) = (Gathered::default(), 0, Vec::new());
     for (candidate, traces) in candidates.iter().zip(read) {
-        if let Some(traces) = traces? {
-            gathered.add_all(traces, &candidate.file)?;
-            files += 1;
+        match traces? {
+            Some(traces) => {
+                gathered.add_all(traces, &candidate.file)?;
+                files += 1;
+            }
+            None => lacking.push(&candidate.file),
         }
     }
-    gathered.complete(channels, files, &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
-}
-
-/// A file that may have traces.
-#[derive(Debug)]
-pub struct Candidate {
-    /// The file.
-    pub file: PathBuf,
-    /// Whether it was found in a folder, where files without the columns have no traces.
-    of_folder: bool,
-}
-
-/// The files that may have traces: these files, and those of known formats in these folders.
-pub fn candidates(paths: &[PathBuf]) -> Result<Vec<Candidate>, Error> {
-    let mut all = Vec::new();
-    for path in paths {
-        if path.is_dir() {
-            all.extend(known_files(path)?.into_iter().map(|file| Candidate { file, of_folder: true }));
-        } else {
-            all.push(Candidate { file: path.clone(), of_folder: false });
-        }
+    let traces =
+        gathered.complete(channels, files, &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())?;
+    if names.is_none() || wanted.is_none() {
+        left_out.into_iter().chain(without(lacking.into_iter(), LACKING)).for_each(|line| log::warn!("{line}"));
     }
-    Ok(all)
-}
-
-impl Candidate {
-    /// Reads the wanted traces; `None` of a file in a folder that lacks the columns, unless a trace of its name is
-    /// wanted.
-    pub fn read(
-        &self,
-        channels: &Channels,
-        wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
-    ) -> Result<Option<Vec<Trace>>, Error> {
-        let asked_for = || {
-            let name = self.file.file_name().map(|name| name.to_string_lossy().into_owned());
-            let names = [name, self.qualified()];
-            wanted.is_some_and(|wanted| names.iter().flatten().any(|name| wanted(stem(name))))
-        };
-        let may_lack = self.of_folder && !asked_for();
-        let table = match Table::open_as(&self.file, &channels.text) {
-            Err(_) if may_lack => return Ok(None),
-            table => table?,
-        };
-        if may_lack && !has_columns(&table, channels) {
-            log::info!("left out {}: it lacks columns of the channels", self.file.display());
-            return Ok(None);
-        }
-        // Labels may name a trace with its folder, since files of several folders may have one name.
-        let wants = |name: &str| wanted.is_some_and(|wanted| wanted(stem(name)));
-        let qualified = self.qualified().filter(|name| wants(name) && !wants(&table.id()));
-        let table = match qualified {
-            Some(name) => table.called(name),
-            None => table,
-        };
-        read_table(&table, channels, wanted.unwrap_or(&|_| true)).map(Some)
-    }
-
-    /// The name of the file with its folder.
-    fn qualified(&self) -> Option<String> {
-        let folder = self.file.parent()?.file_name()?.to_string_lossy();
-        Some(format!("{folder}/{}", self.file.file_name()?.to_string_lossy()))
-    }
-}
-
-/// The files among these files and in these folders, in known formats; labels in a folder are left out.
-pub fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
-    let mut found = Vec::new();
-    for path in paths {
-        if !path.is_dir() {
-            found.push(path.clone());
-            continue;
-        }
-        let is_labels = |file: &PathBuf| Table::open(file).is_ok_and(|table| reader::is_labels(&table));
-        found.extend(known_files(path)?.into_iter().filter(|file| !is_labels(file)));
-    }
-    Ok(found)
-}
-
-/// Whether a file is a trace by its name alone: of a known format, and not called labels.
-#[must_use]
-pub fn is_trace(file: &Path) -> bool {
-    is_known(file) && stem(&file.file_name().unwrap_or_default().to_string_lossy()) != "labels"
-}
-
-fn known_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let entries = std::fs::read_dir(folder).map_err(Error::io(folder))?;
-    let mut files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    files.retain(|file| file.is_file() && is_known(file));
-    files.sort();
-    Ok(files)
+    Ok(traces)
 }

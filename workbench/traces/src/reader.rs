@@ -11,7 +11,7 @@ use crate::table::time_name::usual;
 use crate::table::{Columns, Omitted, Table, Wanted, long_form};
 use crate::table_header::{Header, header_of, is_wanted};
 use model::Error;
-use model::trace::{Channels, Trace, stem};
+use model::trace::{Channels, Trace, composed, trace_name};
 
 /// Whether the header of a table has every wanted column.
 pub(super) fn has_columns(table: &Table, channels: &Channels) -> bool {
@@ -84,7 +84,7 @@ pub fn series(
         for (place, name) in header.names().iter().enumerate() {
             places.entry(name).or_insert(place);
         }
-        let parse = |channel: &String| match places.get(channel.as_str()) {
+        let parse = |channel: &String| match places.get(&*composed(channel)) {
             Some(place) => Ok(Signal::Column(*place)),
             None => Signal::parse(channel, header.names()),
         };
@@ -103,6 +103,13 @@ pub fn series(
         Ok(Series { id, times_s, columns })
     };
     parts.into_iter().map(each).collect()
+}
+
+/// Whether a table has the columns of channels.
+#[must_use]
+pub fn has_channels(table: &Table, time: Option<&str>, channels: &[String]) -> bool {
+    let has = |header: Header| channels.iter().all(|channel| Signal::parse(channel, header.names()).is_ok());
+    header_of(table, time).is_ok_and(has)
 }
 
 /// The names of the columns of a table that hold numbers, but for its time, and why others do not.
@@ -140,10 +147,10 @@ pub fn has_time(table: &Table, time: Option<&str>) -> bool {
     header_of(table, time).is_ok_and(|header| header.time.is_some() || time.is_none() && table.about().step_s.is_some())
 }
 
-/// Whether a table has the columns of labels, or tells in which files signals are, and is no trace.
-pub(crate) fn is_labels(table: &Table) -> bool {
-    let has = |wanted: &str| table.names().iter().any(|name| name == wanted);
-    has("trace") && has("class_name") || has("signal_id") && has("signal_file")
+/// The names of the traces of the rows of a table that has a column of them.
+pub(crate) fn names_of_rows(table: &Table) -> Option<Vec<String>> {
+    let place = table.names().iter().position(|name| name == "trace")?;
+    table.read(Wanted { numbers: &[], text: Some(place), row: &|_| true }).ok()?.texts
 }
 
 /// The columns of one trace.
@@ -190,7 +197,7 @@ fn parts(
     places.extend(row_times.further_places());
     places.sort_unstable();
     places.dedup();
-    let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) });
+    let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(&trace_name(cell)) });
     let mut columns = read.map_err(|problem| row_times.excludable(problem))?;
     row_times.check_twins(&places, &columns)?;
     let rows = Rows::split(path, &columns, &id)?;

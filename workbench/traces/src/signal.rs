@@ -22,6 +22,7 @@ use std::f64::consts::TAU;
 
 use crate::units::{Quantity, Unit, known, stated};
 use model::near::among;
+use model::trace::composed;
 
 /// The time from one row to another, s.
 pub(super) type Elapsed<'a> = &'a dyn Fn(usize, usize) -> f64;
@@ -89,6 +90,7 @@ impl Signal {
     }
 
     fn with_unit(text: &str, names: &[String]) -> Result<Found, String> {
+        let text = &*composed(text);
         if let Some(place) = place(names, text.trim()) {
             return Ok((Self::Column(place), Unit::of_column(text)));
         }

@@ -8,7 +8,7 @@ use crate::table::time_name::{seconds, usual};
 use crate::table::{About, Table};
 use model::Error;
 use model::near::among;
-use model::trace::{Channels, ShaftChannels, stem};
+use model::trace::{Channels, ShaftChannels, composed, trace_name};
 
 /// The names of the columns.
 pub(super) struct Header {
@@ -34,7 +34,7 @@ impl Header {
         let time = match time {
             Some(NO_TIME) => None,
             Some(wanted) => {
-                let place = names.iter().position(|name| name == wanted);
+                let place = names.iter().position(|name| *name == composed(wanted));
                 let place = place.ok_or_else(|| format!("no column {wanted} for the time{}", among(wanted, &names)))?;
                 Some((place, factor(place)))
             }
@@ -112,5 +112,5 @@ pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Err
 
 /// Whether a table may have wanted traces: its only one is, or it has several.
 pub(super) fn is_wanted(header: &Header, table: &Table, wanted: &(dyn Fn(&str) -> bool + Sync)) -> bool {
-    header.trace.is_some() || wanted(stem(&table.id()))
+    header.trace.is_some() || wanted(&trace_name(&table.id()))
 }

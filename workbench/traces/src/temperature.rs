@@ -2,10 +2,11 @@
 
 use rayon::prelude::*;
 
+use crate::Source;
+use crate::listing::{Candidate, Listing, has_columns};
 use crate::table::Table;
 use crate::table_header::{header_of, is_wanted};
 use crate::units::{Quantity, Unit};
-use crate::{Candidate, Source, candidates, has_columns};
 use model::Error;
 use model::session::TemperatureColumn;
 use model::trace::Channels;
@@ -69,10 +70,11 @@ impl Source {
     ) -> Result<Vec<TemperatureColumn>, Error> {
         let of_table = |table: &Table| temperatures(table, channels, wanted);
         // A file that cannot be opened is an error where it is read, if it is wanted.
-        let of_file =
-            |own: &Candidate| Table::open_as(&own.file, &channels.text).map_or(Ok(None), |table| of_table(&table));
+        let of_file = |own: &Candidate| own.open(&channels.text).map_or(Ok(None), |table| of_table(&table));
         let all: Vec<Result<Option<Vec<String>>, Error>> = match self {
-            Self::Files(paths) => candidates(paths)?.par_iter().map(of_file).collect(),
+            Self::Files(paths) | Self::Labelled(paths, _) => {
+                Listing::of(paths, self.names())?.candidates.par_iter().map(of_file).collect()
+            }
             Self::Memory(tables) => tables.iter().map(|table| of_table(&Table::of(table))).collect(),
         };
         let all: Vec<Option<Vec<String>>> = all.into_iter().collect::<Result<_, _>>()?;

@@ -1,12 +1,11 @@
 //! The files of a folder that can be shown.
 
-use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
 use model::Error;
+use traces::walk::{Walk, is_hidden};
 
-/// Folders within folders, and files of one kind, that are listed.
-const DEPTH: usize = 6;
+/// Files that are listed.
 const FILES: usize = 5000;
 
 /// What a file is.
@@ -54,26 +53,11 @@ impl Folder {
 
     /// Names of the files, relative to the folder, with their kinds; hidden ones are left out.
     pub(super) fn list(&self) -> Vec<(Kind, String)> {
-        let mut found = Vec::new();
-        self.walk(&self.root, 0, &mut found);
-        found.sort_by(|one, other| one.1.cmp(&other.1));
-        found
-    }
-
-    fn walk(&self, folder: &Path, depth: usize, found: &mut Vec<(Kind, String)>) {
-        let Ok(entries) = std::fs::read_dir(folder) else { return };
-        for path in entries.filter_map(|entry| entry.ok().map(|entry| entry.path())) {
-            if path.file_name().is_none_or(is_hidden) || found.len() >= FILES {
-                continue;
-            }
-            // A link could lead out of the folder, or in a circle.
-            if path.is_dir() && !path.is_symlink() && depth < DEPTH {
-                self.walk(&path, depth + 1, found);
-            } else if let (true, Some(kind)) = (path.is_file(), Kind::of(&path)) {
-                let name = path.strip_prefix(&self.root).ok().and_then(Path::to_str);
-                found.extend(name.map(|name| (kind, name.to_owned())));
-            }
-        }
+        // A link could lead out of the folder.
+        let walk = Walk { links: false, takes: &|path| Kind::of(path).is_some(), skips: &|_| None };
+        let files = walk.of(&self.root).unwrap_or_default().files;
+        let named = |path: &PathBuf| Some((Kind::of(path)?, path.strip_prefix(&self.root).ok()?.to_str()?.to_owned()));
+        files.iter().filter_map(named).take(FILES).collect()
     }
 
     /// The file of this kind and name, if it is in the folder.
@@ -89,13 +73,9 @@ impl Folder {
     }
 }
 
-fn is_hidden(name: &OsStr) -> bool {
-    name.to_string_lossy().starts_with('.')
-}
-
 /// Whether a relative path leads down only, through nothing that is hidden.
 fn is_shown(path: &Path) -> bool {
-    path.components().all(|part| matches!(part, Component::Normal(name) if !is_hidden(name)))
+    path.components().all(|part| matches!(part, Component::Normal(name) if !is_hidden(Path::new(name))))
 }
 
 #[cfg(test)]

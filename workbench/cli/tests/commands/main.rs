@@ -18,6 +18,7 @@ mod face;
 mod faces;
 mod features_commands;
 mod field_command;
+mod folder_commands;
 mod form;
 mod format_commands;
 mod front_end_commands;

@@ -18,7 +18,7 @@ use model::session::{Given, Log, Selection, TraceSource, is_irregular, of_irregu
 use model::settings::{Reading, Settings};
 use model::trace::Tally;
 use model::trace::labels::LabelledTrace;
-use model::trace::{Preparation, Trace, same_interval, stem};
+use model::trace::{Preparation, Trace, same_interval, trace_name};
 use model::train;
 use traces::Origins;
 
@@ -93,6 +93,7 @@ pub fn features(
         }
     };
     let labels = Labelled::new(&selection, &chosen, &plan)?;
+    log.warn(selection.left_out()?);
     let mut part = outputs::Staged::new(&options.out)?;
     let mut writer = Writer::new(part.file(), &options.out, &plan, &labels.columns)?;
     let met = write(&mut writer, selection.source(), (&labels, &plan), log)?;
@@ -186,7 +187,7 @@ fn write<W: std::io::Write + Send>(
     let mut files = source.pieces()?;
     // Files of one trace each, in the order of their units.
     files.sort_by_cached_key(|piece| {
-        let own = labels.of.get(stem(&piece.file().file_name().unwrap_or_default().to_string_lossy()));
+        let own = labels.of.get(&piece.name());
         own.map(|([_, unit, run], _)| (unit.clone(), run.clone()))
     });
     let steps = log.steps("features", files.len());
@@ -235,7 +236,7 @@ fn rows(
         return Err(Error::trace(&trace.id, problem));
     }
     refuse_held(trace, &plan.channels)?;
-    let id = stem(&trace.id).to_string();
+    let id = trace_name(&trace.id).into_owned();
     let Some(([class, unit, run], cells)) = labels.of.get(&id) else { return Ok(vec![]) };
     let prepared = LabelledTrace { trace: preparation.apply(trace)?, class: 0 };
     let segments = estimator.run(&prepared.trace);

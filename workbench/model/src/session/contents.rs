@@ -2,7 +2,7 @@
 
 use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::stem;
+use crate::trace::trace_name;
 
 /// A number of the output of a trace, which every model reads: equal recordings have equal ones, and two different ones
 /// agree by a chance of 2⁻³².
@@ -16,7 +16,7 @@ pub fn content(trace: &Trace) -> u32 {
 
 /// How many of these traces a model was trained on, and in words how that is known; none if there are none.
 pub(super) fn seen(traces: &[LabelledTrace], (ids, contents): (&[String], &[u32])) -> (usize, Option<String>) {
-    let is_id = |t: &&LabelledTrace| ids.iter().any(|id| id == stem(&t.trace.id));
+    let is_id = |t: &&LabelledTrace| ids.iter().any(|id| *id == trace_name(&t.trace.id));
     let (count, what) = if contents.is_empty() {
         (traces.iter().filter(is_id).count(), "have the names of traces that the model was trained on")
     } else {

@@ -84,6 +84,7 @@ impl<'a> Judging<'a> {
         groups.refuse_known(&notes.units)?;
         let (seen, words) = seen(&traces, (&notes.trained_on, &notes.contents));
         log.warn(words);
+        log.warn(self.selection.left_out()?);
         log.warn(irregular(traces.iter().map(|t| &t.trace)));
         log.warn(refused(traces.iter().map(|t| &t.trace)));
         let verdicts = judge(model, &traces, notes.preparation(), log)?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::trace::{Channels, FrontEndFile, Labels, Trace};
+use crate::trace::{Channels, FrontEndFile, Labels, Trace, TraceNames};
 
 /// Where traces come from.
 pub trait TraceSource: std::fmt::Debug + Send + Sync {
@@ -27,6 +27,12 @@ pub trait TraceSource: std::fmt::Debug + Send + Sync {
         wanted: &(dyn Fn(&str) -> bool + Sync),
     ) -> Result<Vec<TemperatureColumn>, Error>;
 
+    /// What is left out, in lines: files without these channels, and records of which labels with these names have none.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    fn left_out(&self, channels: &Channels, names: &TraceNames) -> Result<Vec<String>, Error>;
+
     /// What may have traces, each part to be read alone.
     ///
     /// # Errors
@@ -47,8 +53,11 @@ pub struct TemperatureColumn {
 
 /// A part of a source, such as a file.
 pub trait Piece: Send + Sync {
-    /// Its name, which is that of its trace if it has one.
+    /// Its file.
     fn file(&self) -> &Path;
+
+    /// The name of its trace, if it has only one, as names are compared.
+    fn name(&self) -> String;
 
     /// Reads the wanted traces; `None` of a file that is there by chance.
     ///

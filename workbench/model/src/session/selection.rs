@@ -61,6 +61,14 @@ impl Selection {
         self.source.as_ref()
     }
 
+    /// What is left out of the traces, in lines.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    pub fn left_out(&self) -> Result<Vec<String>, Error> {
+        self.source.left_out(&self.channels, &self.labels.names())
+    }
+
     /// The labels.
     #[must_use]
     pub const fn labels(&self) -> &Labels {

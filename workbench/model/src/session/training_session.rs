@@ -23,7 +23,7 @@ use super::training_traces::Traces;
 use crate::Error;
 use crate::settings::{Reading, Settings};
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{Channels, Preparation, stem};
+use crate::trace::{Channels, Preparation, trace_name};
 use crate::train::{Automatic, Recipe, ShaftPlan, Trained};
 
 /// Settings with labels and channels, whose traces are not read yet.
@@ -66,6 +66,7 @@ impl Session {
         let (mut temperatures, traces) = Temperatures::of(named, &used, |offered| self.traces(offered))?;
         let taken = temperatures.taken();
         let traces = traces.map_or_else(|| self.traces(&taken), Ok)?;
+        log.warn(self.selection.left_out()?);
         log.warn(irregular(traces.training.iter().map(|t| &t.trace)));
         log.warn(refused(traces.training.iter().map(|t| &t.trace)));
         refuse_scale(traces.training.iter().map(|t| &t.trace))?;
@@ -119,7 +120,7 @@ impl Session {
         let host = embed_block_mean(&mut trained, self.preparation, &training);
         let channels = read_by(&trained, recipe.columns);
         let description = description::lines(&trained, &channels, host);
-        let ids = training.iter().map(|t| stem(&t.trace.id).to_string()).collect();
+        let ids = training.iter().map(|t| trace_name(&t.trace.id).into_owned()).collect();
         let units = &trained.recipe.validation.units;
         let column = self.settings.validation.group.as_ref().filter(|column| *column != INDEPENDENT);
         let notes = Notes::new(&channels, host, &trained, (ids, units), self.drive.clone()).with_group(column);

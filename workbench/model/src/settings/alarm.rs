@@ -8,6 +8,7 @@ use super::choices::Novelty;
 use super::merge::merges;
 use crate::Error;
 use crate::near::among;
+use crate::trace::composed;
 use crate::train::{ACCEPTABLE, AlarmInterval, Alarms};
 
 /// Names of the healthy class if none is given.
@@ -90,7 +91,7 @@ merges!(Alarm {
 /// # Errors
 /// There is no class of this name.
 pub fn healthy_class(given: Option<&str>, classes: &[String]) -> Result<Option<usize>, Error> {
-    let place = |name: &str| classes.iter().position(|class| class == name.trim());
+    let place = |name: &str| classes.iter().position(|class| *class == composed(name.trim()));
     let Some(name) = given else { return Ok(HEALTHY_NAMES.iter().find_map(|name| place(name))) };
     let near = || among(name, classes);
     let unknown = || Error::Usage(format!("--healthy: unknown class {name}{}", near()));

@@ -13,7 +13,7 @@ use crate::trace::{Condition, Decimal, Separator, TextForm};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Data {
-    /// Trace files or folders; without any, the folder of the labels
+    /// Trace files or folders, with all folders below; without any, the folder of the labels
     #[serde(deserialize_with = "one_or_more", skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "TRACES", "x-file" = true, "x-positional" = true)))]
     pub traces: Vec<PathBuf>,

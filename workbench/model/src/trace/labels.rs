@@ -1,11 +1,12 @@
 //! The class of each trace, and the selection of traces.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::near::{among, did_you_mean};
-use crate::trace::{Recorded, Trace, stem};
+use crate::trace::{Recorded, Trace, TraceNames, composed, trace_name};
 
 /// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
 ///
@@ -24,8 +25,8 @@ impl std::str::FromStr for Condition {
         // The longer operators first, so that `<=` is not parsed as `<`.
         for operator in ["<=", ">=", "!=", "=", "<", ">"] {
             if let Some((column, value)) = text.split_once(operator) {
-                let (column, value) = (column.trim().to_string(), value.trim());
-                let value = if column == "trace" { stem(value) } else { value }.to_string();
+                let [column, value] = [column, value].map(|text| composed(text.trim()).into_owned());
+                let value = if column == "trace" { trace_name(&value).into_owned() } else { value };
                 if column.is_empty() || value.is_empty() {
                     break;
                 }
@@ -91,6 +92,8 @@ pub struct Labels {
     path: PathBuf,
     columns: Vec<String>,
     rows: Vec<Vec<String>>,
+    /// The name of the trace of each row, as names are compared.
+    ids: Vec<String>,
 }
 
 /// A trace with the index of its class.
@@ -111,11 +114,19 @@ impl Labels {
         cells.collect::<std::collections::HashSet<_>>().len()
     }
 
-    /// Whether a trace has a row.
+    /// Whether two traces of one class have the same cell of a column, as those of one run do.
     #[must_use]
-    pub fn has(&self, trace: &str) -> bool {
-        let place = self.columns.iter().position(|own| own == "trace");
-        place.is_some_and(|place| self.rows.iter().any(|row| stem(&row[place]) == stem(trace)))
+    pub fn joins(&self, column: &str) -> bool {
+        let place = |name: &str| self.columns.iter().position(|own| own == name);
+        let (Some(class), Some(column)) = (place("class_name"), place(column)) else { return false };
+        let mut seen = std::collections::HashSet::new();
+        self.rows.iter().any(|row| !row[column].is_empty() && !seen.insert((&row[class], &row[column])))
+    }
+
+    /// The names of the traces.
+    #[must_use]
+    pub fn names(&self) -> TraceNames {
+        TraceNames::of(self.ids.iter().cloned())
     }
 
     /// The number of rows of a class.
@@ -142,7 +153,7 @@ impl Labels {
     /// # Errors
     /// Missing `trace` or `class_name`, a trace that occurs twice, a name that no class can have.
     pub fn of_cells(path: &Path, columns: Vec<String>, rows: Vec<Vec<String>>) -> Result<Self, Error> {
-        Self { path: path.into(), columns, rows }.checked()
+        Self { path: path.into(), columns, rows, ids: vec![] }.checked()
     }
 
     /// Takes the labels of a table in memory.
@@ -151,16 +162,22 @@ impl Labels {
     /// As [`Labels::of_cells`], and a column of neither numbers nor text.
     pub fn of(table: &Recorded) -> Result<Self, Error> {
         let columns = table.names().map(|name| name.trim().to_string()).collect();
-        Self { path: table.name().into(), columns, rows: table.rows()? }.checked()
+        Self { path: table.name().into(), columns, rows: table.rows()?, ids: vec![] }.checked()
     }
 
-    fn checked(self) -> Result<Self, Error> {
+    fn checked(mut self) -> Result<Self, Error> {
+        for text in self.columns.iter_mut().chain(self.rows.iter_mut().flatten()) {
+            if let Cow::Owned(changed) = composed(text) {
+                *text = changed;
+            }
+        }
+        let trace = self.column("trace")?;
+        self.ids = self.rows.iter().map(|row| trace_name(&row[trace]).into_owned()).collect();
         let (labels, path) = (&self, &self.path);
-        let trace = labels.column("trace")?;
         let class = labels.column("class_name")?;
         let mut seen = HashMap::new();
-        for (k, row) in labels.rows.iter().enumerate() {
-            if let Some(first) = seen.insert(stem(&row[trace]), k) {
+        for (k, (row, id)) in labels.rows.iter().zip(&labels.ids).enumerate() {
+            if let Some(first) = seen.insert(id, k) {
                 let problem = format!("{} is labelled already in line {}", row[trace], first + 2);
                 return Err(Error::content(path, format!("line {}", k + 2), problem));
             }
@@ -180,24 +197,23 @@ impl Labels {
         })
     }
 
-    /// Ids (without `.csv`) and class names of the rows that satisfy every condition.
+    /// Names of traces, as they are compared, and class names of the rows that satisfy every condition.
     ///
     /// # Errors
     /// An unknown column, an order comparison of text, or no remaining row.
     pub fn select(&self, conditions: &[Condition]) -> Result<Vec<(String, String)>, Error> {
-        let (trace, class) = (self.column("trace")?, self.column("class_name")?);
+        let class = self.column("class_name")?;
         let columns = conditions.iter().map(|c| self.column(&c.column)).collect::<Result<Vec<_>, _>>()?;
         let mut chosen = Vec::new();
-        for (k, row) in self.rows.iter().enumerate() {
+        for (k, (row, id)) in self.rows.iter().zip(&self.ids).enumerate() {
             let mut all = true;
             for (condition, &column) in conditions.iter().zip(&columns) {
                 let place = || format!("line {}, column {}", k + 2, condition.column);
-                // The name of a trace may include the extension of its file.
-                let cell = if condition.column == "trace" { stem(&row[column]) } else { &row[column] };
+                let cell = if condition.column == "trace" { id } else { &row[column] };
                 all &= condition.holds(cell).map_err(|p| Error::content(&self.path, place(), p))?;
             }
             if all {
-                chosen.push((stem(&row[trace]).to_string(), row[class].clone()));
+                chosen.push((id.clone(), row[class].clone()));
             }
         }
         if chosen.is_empty() {
@@ -213,9 +229,10 @@ impl Labels {
     /// # Errors
     /// An unknown column.
     pub fn cells<'a>(&self, column: &str, ids: impl Iterator<Item = &'a str>) -> Result<Vec<String>, Error> {
-        let (trace, column) = (self.column("trace")?, self.column(column)?);
-        let by_id: HashMap<&str, &String> = self.rows.iter().map(|row| (stem(&row[trace]), &row[column])).collect();
-        Ok(ids.map(|id| by_id.get(stem(id)).map_or_else(String::new, ToString::to_string)).collect())
+        let column = self.column(&composed(column))?;
+        let rows = self.ids.iter().zip(&self.rows);
+        let by_id: HashMap<&str, &String> = rows.map(|(id, row)| (id.as_str(), &row[column])).collect();
+        Ok(ids.map(|id| by_id.get(&*trace_name(id)).map_or_else(String::new, ToString::to_string)).collect())
     }
 
     /// The class names of a selection: the requested ones in the requested order, or all in order of first occurrence.
@@ -229,6 +246,7 @@ impl Labels {
                 present.push(class.clone());
             }
         }
+        let asked: Vec<String> = asked.iter().map(|class| composed(class).into_owned()).collect();
         for (k, class) in asked.iter().enumerate() {
             if asked[..k].contains(class) {
                 return Err(Error::Usage(format!("--classes names {class} twice")));
@@ -239,7 +257,7 @@ impl Labels {
                 return Err(Error::content(&self.path, "column class_name", problem));
             }
         }
-        Ok(if asked.is_empty() { present } else { asked.to_vec() })
+        Ok(if asked.is_empty() { present } else { asked })
     }
 
     /// Joins a selection with its traces; rows of classes that are not in `classes` are omitted.
@@ -252,12 +270,12 @@ impl Labels {
         classes: &[String],
         traces: &[Trace],
     ) -> Result<Vec<LabelledTrace>, Error> {
-        let by_id: HashMap<&str, &Trace> = traces.iter().map(|trace| (stem(&trace.id), trace)).collect();
+        let by_id: HashMap<Cow<'_, str>, &Trace> = traces.iter().map(|trace| (trace_name(&trace.id), trace)).collect();
         let wanted = chosen.iter().filter_map(|(id, name)| Some((id, classes.iter().position(|c| c == name)?)));
         wanted
             .map(|(id, class)| {
                 let trace = by_id.get(id.as_str()).ok_or_else(|| {
-                    let near = did_you_mean(id, traces.iter().map(|trace| stem(&trace.id)));
+                    let near = did_you_mean(id, traces.iter().map(|trace| trace.id.as_str()));
                     let problem =
                         format!("{id} is labelled, but there is no such trace; give its file or folder{near}");
                     Error::content(&self.path, "column trace", problem)
@@ -298,5 +316,31 @@ mod tests {
         assert!(error.contains("unknown class c") && error.contains("a, b"), "{error}");
         let twice = of([["x.csv", "a"], ["x", "b"]]).expect_err("twice").to_string();
         assert!(twice.contains("line 3: x is labelled already"), "{twice}");
+    }
+
+    #[test]
+    fn names_are_compared_with_folders_without_extension_and_in_one_form_of_unicode() {
+        let texts = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let rows = [
+            ["class_a\\run_1\\x.csv", "u\u{308}bel", "1"],
+            ["./class_a/run_2/x", "gut", "2"],
+            ["pru\u{308}f.mat", "gut", "2"],
+        ];
+        let columns = texts(&["trace", "class_name", "la\u{308}uft"]);
+        let labels = Labels::of_cells(Path::new("labels.csv"), columns, rows.iter().map(|row| texts(row)).collect());
+        let labels = labels.expect("good labels");
+        let ids: Vec<String> = labels.select(&[]).expect("rows").into_iter().map(|(id, _)| id).collect();
+        assert_eq!(ids, ["class_a/run_1/x", "class_a/run_2/x", "pr\u{fc}f"]);
+        for condition in ["l\u{e4}uft=1", "la\u{308}uft=1", "class_name=\u{fc}bel", "trace=class_a/run_1/x.parquet"] {
+            let one = labels.select(&[condition.parse().expect("condition")]).expect(condition);
+            assert_eq!(one.len(), 1, "{condition}");
+        }
+        let chosen = labels.select(&[]).expect("rows");
+        assert_eq!(labels.classes(&chosen, &["u\u{308}bel".into()]).expect("the class"), ["\u{fc}bel"]);
+        let cells = labels.cells("l\u{e4}uft", ["class_a/run_2/x.csv", "x"].into_iter()).expect("cells");
+        assert_eq!(cells, ["2", ""]);
+        assert!(labels.names().has("pr\u{fc}f") && labels.joins("l\u{e4}uft") && !labels.joins("trace"));
+        let twice = [["a/x.csv", "b", "1"], ["a\\x", "b", "1"]].map(|row| texts(&row)).to_vec();
+        assert!(Labels::of_cells(Path::new("l"), texts(&["trace", "class_name", "n"]), twice).is_err());
     }
 }

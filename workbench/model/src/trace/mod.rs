@@ -22,7 +22,7 @@ pub use gaps::{BREAK, Gap, LONGEST_GAP, gaps};
 pub use labels::{Condition, Labels};
 pub use median::median;
 pub use missing::Missing;
-pub use names::{extensions, file_name, is_known, stem};
+pub use names::{TraceNames, composed, extensions, file_name, is_known, stem, trace_name};
 pub use prepare::Preparation;
 pub use record::{Channels, MotionTrace, ShaftChannels, Trace, bridged, same_interval};
 pub use recorded::{Cells, Recorded, Times};

@@ -4,10 +4,13 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use super::audited::Audited;
+use crate::labels::read_labels;
+use crate::listing::{Candidate, Listing};
 use crate::resample::unwrapped;
 use model::Error;
 use model::audit::orders::angle;
 use model::outputs::folder_of;
+use model::session::Log;
 use model::settings::{Settings, TIMES, Use};
 
 /// False-alarm rate of the smallest line.
@@ -55,6 +58,18 @@ impl Audit {
         }
         let folder = data.labels.iter().map(|labels| folder_of(labels).to_path_buf());
         Ok(if data.traces.is_empty() { folder.collect() } else { data.traces.clone() })
+    }
+
+    /// The files that are audited, with the names that the labels give; what is left out is told.
+    ///
+    /// # Errors
+    /// Those of [`Audit::paths`], and labels or folders that cannot be read.
+    pub fn listing(&self, log: &Log<'_>) -> Result<Vec<Candidate>, Error> {
+        let labels = self.settings.data.labels.as_deref().map(read_labels).transpose()?;
+        let names = labels.map(|labels| labels.names());
+        let listing = Listing::without_labels(&self.paths()?, names.as_ref())?;
+        log.warn(listing.left_out.iter().cloned());
+        Ok(listing.candidates)
     }
 
     /// The false-alarm rate of the smallest line.

@@ -12,7 +12,7 @@ use model::Error;
 use model::audit::column::Column;
 use model::audit::times::Times;
 use model::settings::{Settings, Signals};
-use model::trace::{bridged, stem};
+use model::trace::{bridged, trace_name};
 
 /// The columns of a table and what is taken of them.
 struct Chosen {
@@ -101,7 +101,7 @@ pub(super) fn look(table: &Table, settings: &Settings, given: &Signals) -> Resul
         let rate_hz = times.map(|times| times.rate_hz).or(rate_hz);
         let (turning, [angle, velocity]) = chosen.turning(&slice, rate_hz);
         Audited {
-            id: stem(&series.id).to_string(),
+            id: trace_name(&series.id).into_owned(),
             names: names.clone(),
             left_out: chosen.left_out.clone(),
             times,

@@ -1,7 +1,6 @@
 //! The work of an audit.
 
 use std::collections::HashSet;
-use std::path::Path;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -13,6 +12,7 @@ use super::findings::{add, equal_traces, session_sets, several_rates};
 use super::looked;
 use crate::cleaned_reader;
 use crate::front_end::OWN;
+use crate::listing::{Candidate, LEFT_OUT, told_unlabelled, without};
 use crate::table::Table;
 use model::Error;
 use model::audit::friction::{Excited, Motion, Terms, excited};
@@ -20,8 +20,10 @@ use model::audit::orders::{self, floor, rate, smallest_line, turns};
 use model::session::Log;
 use model::settings::{Data, Settings, Signals, healthy_class};
 use model::trace::front_end::FrontEndFile;
-use model::trace::{Cells, Channels, Recorded, Trace, file_name, stem};
+use model::trace::{Cells, Channels, Labels, Recorded, Trace, trace_name};
 
+/// What follows the name of a trace before the front end.
+const AS_RECORDED: &str = " as recorded";
 /// Rows of the shortest trace; shorter ones are tables of something else.
 const FEWEST: usize = 8;
 
@@ -30,11 +32,11 @@ impl Audit {
     ///
     /// # Errors
     /// No trace, or channels that cannot be read.
-    pub fn audit(&self, files: &[PathBuf], log: &Log<'_>) -> Result<Outcome, Error> {
+    pub fn audit(&self, files: &[Candidate], log: &Log<'_>) -> Result<Outcome, Error> {
         log.warn(self.settings.bearing.bearing.note());
         let step = log.steps("auditing", files.len());
         let front_end = self.settings.data.front_end.as_deref().map(FrontEndFile::read).transpose()?;
-        let each = |file: &PathBuf| {
+        let each = |file: &Candidate| {
             let found = self.look(file, front_end.as_ref());
             step(1);
             found
@@ -43,15 +45,12 @@ impl Audit {
         let (mut traces, mut findings) = (Vec::new(), Vec::new());
         // A file that has no label and none of the channels is a table of something else.
         let labels = self.settings.data.labels.as_deref().map(crate::read_labels).transpose()?;
-        let is_other = |file: &Path| {
-            let name = file_name(file);
-            labels.as_ref().is_some_and(|labels| !labels.has(&name))
-        };
+        let is_other = |file: &Candidate| labels.is_some() && !file.is_labelled();
         for (file, found) in files.iter().zip(all) {
             match found {
                 Ok(found) => traces.extend(found),
-                Err(_) if is_other(file) => {}
-                Err(problem) => add(&mut findings, problem.to_string(), &file.display().to_string()),
+                Err(problem) if is_other(file) => log.warn([format!("left out {problem}")]),
+                Err(problem) => add(&mut findings, problem.to_string(), &file.file.display().to_string()),
             }
         }
         if traces.is_empty() {
@@ -59,9 +58,19 @@ impl Audit {
             return Err(Error::Usage(problem));
         }
         let short = traces.len();
-        traces.retain(|trace: &Audited| trace.values.first().is_some_and(|column| column.len() >= FEWEST));
+        let is_long = |trace: &Audited| trace.values.first().is_some_and(|column| column.len() >= FEWEST);
+        let other = traces.iter().filter(|trace| !is_long(trace)).map(|trace| PathBuf::from(&trace.id));
+        log.warn(without(other.collect::<Vec<_>>().iter(), &format!("fewer than {FEWEST} rows")));
+        traces.retain(is_long);
         if traces.is_empty() {
             return Err(Error::Usage(format!("{short} traces, none of {FEWEST} rows")));
+        }
+        if let Some(names) = labels.as_ref().map(Labels::names) {
+            let is_bare = |trace: &&Audited| !names.has(&trace.id) && !trace.id.ends_with(AS_RECORDED);
+            let bare = traces.iter().filter(is_bare).map(|trace| trace.id.clone());
+            let is_chosen = !self.settings.data.conditions.is_empty();
+            let then = if is_chosen { LEFT_OUT } else { "audited without a class" };
+            log.warn(told_unlabelled(&bare.collect::<Vec<_>>(), then));
         }
         if let Some(labels) = labels.as_ref().filter(|_| !self.settings.data.conditions.is_empty()) {
             let chosen = labels.select(&self.settings.data.conditions)?;
@@ -87,10 +96,11 @@ impl Audit {
     }
 
     /// The traces of a file: as they are recorded, and behind the front end, if there is one.
-    fn look(&self, file: &Path, front_end: Option<&FrontEndFile>) -> Result<Vec<Audited>, Error> {
-        let table = Table::open_as(file, &self.settings.data.text_form())?;
+    fn look(&self, file: &Candidate, front_end: Option<&FrontEndFile>) -> Result<Vec<Audited>, Error> {
+        let table = file.open(&self.settings.data.text_form())?;
         let Some(front_end) = front_end else { return looked::look(&table, &self.settings, &self.settings.channels) };
         let mut all = looked::look(&table, &self.settings, &Signals::default())?;
+        all.iter_mut().for_each(|trace| trace.id += AS_RECORDED);
         let settings = Settings { data: Data::default(), ..self.settings.clone() };
         for cleaned in self.cleaned(&table, front_end)? {
             all.extend(looked::look(&Table::of(&Arc::new(cleaned)), &settings, &settings.channels)?);
@@ -117,10 +127,7 @@ impl Audit {
             let columns = [trace.y, trace.u1].into_iter().chain(trace.further);
             let columns = names.zip(columns).map(|(name, values)| (name, Cells::Numbers(values)));
             let time = ("t_s".to_string(), Cells::Numbers(times));
-            Recorded::new(
-                format!("{} behind the front end", stem(&trace.id)),
-                std::iter::once(time).chain(columns).collect(),
-            )
+            Recorded::new(trace_name(&trace.id), std::iter::once(time).chain(columns).collect())
         };
         let traces = cleaned_reader::read(table, &wanted, front_end, &|_| true)?;
         traces.into_iter().map(each).collect()

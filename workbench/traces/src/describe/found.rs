@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::asked::Asked;
 use super::axes;
-use super::kinds::{LeftOut, are_alike, kinds, most};
+use super::kinds::{LeftOut, is_one, kinds, most};
 use super::names::{self, Told};
 use super::proposal::Proposal;
 use super::raw::{self, Extremes, RawFrontEnd};
 use crate::front_end::OWN;
+use crate::naming::Naming;
 use crate::table::Table;
 use crate::turning::Turning;
 use crate::{read_labels, reader};
@@ -65,7 +66,7 @@ impl Found {
         let Some(own) = most(kinds, &mut left) else { return Err(nothing(&data.traces, &left)) };
         let names = own.names.clone();
         // Files of a folder are found by their columns and labels; those are named beside which others cannot be read.
-        let of_others = left.iter().any(|other| own.files.iter().any(|file| are_alike(file, &other.file)));
+        let of_others = left.iter().any(|other| own.files.iter().any(|file| is_one(file, &other.file)));
         let single = own.files.len() == 1 && files.len() > 1;
         let traces = if single || of_others { own.files.clone() } else { folders_of(&data.traces, &own.files) };
         let table = Table::open_as(&own.files[0], &data.text_form())?;
@@ -115,7 +116,8 @@ impl Found {
         let (file, made) = match given {
             Some(file) => (file, None),
             None => {
-                let (text, told) = names::labels(&ids(&own.files, &names[..1], &data.text_form())?)?;
+                let (text, told) =
+                    names::labels(&ids(&own.files, &names[..1], &data.text_form())?, &Naming::of(&data.traces, files))?;
                 let own_file = || outputs::folder_of(out).join("labels.csv");
                 let file = asked.labels_from_names.map_or_else(own_file, Path::to_path_buf);
                 outputs::plan(&[&file, out], files)?;
@@ -210,7 +212,7 @@ fn nothing(paths: &[PathBuf], left: &[LeftOut]) -> Error {
 
 /// The paths as they were given, or the folders below them in which the files are.
 fn folders_of(given: &[PathBuf], files: &[PathBuf]) -> Vec<PathBuf> {
-    let is_in = |file: &PathBuf| given.iter().any(|path| path == file || file.parent() == Some(path));
+    let is_in = |file: &PathBuf| given.iter().any(|path| file.starts_with(path));
     if files.iter().all(is_in) {
         return given.to_vec();
     }

@@ -10,7 +10,7 @@ use crate::table::Table;
 use model::Error;
 use model::session::Log;
 use model::settings::Data;
-use model::trace::{file_name, stem};
+use model::trace::{file_name, stem, words};
 
 /// A file that is not described, and why.
 pub(super) struct LeftOut {
@@ -31,11 +31,18 @@ pub(super) struct Kind {
     /// Columns that most of them do not have as numbers, and why the first one does not.
     pub(super) columns_left: Vec<String>,
     pub(super) files: Vec<PathBuf>,
+    /// Rows of the first one.
+    rows: usize,
 }
+
+/// Rows of the shortest recording; shorter tables are of something else, such as parameters.
+const FEWEST: usize = 8;
 
 /// Files with the same header.
 struct Alike {
     names: Vec<String>,
+    /// Rows of the first one.
+    rows: usize,
     /// Each with its columns of numbers, and the problems with others.
     files: Vec<(PathBuf, Vec<String>, Vec<Error>)>,
 }
@@ -46,13 +53,21 @@ pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>
     let step = log.steps("files", files.len());
     for file in files {
         let table = Table::open_as(file, &data.text_form());
-        let read = |table: Table| Ok((reader::numeric(&table, data.time.as_deref())?, table.names().to_vec()));
+        let read = |table: Table| {
+            let (numeric, problems) = reader::numeric(&table, data.time.as_deref())?;
+            let (labels, signals): (Vec<String>, Vec<String>) = numeric.into_iter().partition(|name| is_label(name));
+            let no_signal =
+                |name: &String| Error::content(file, format!("column {name}"), "the class of rows, no signal");
+            let problems = problems.into_iter().chain(labels.iter().map(no_signal)).collect();
+            let rows = if all.iter().any(|alike| alike.names == table.names()) { 0 } else { rows_of(&table, &signals) };
+            Ok(((signals, problems), table.names().to_vec(), rows))
+        };
         match table.and_then(read) {
-            Ok(((numeric, problems), names)) => {
+            Ok(((numeric, problems), names, rows)) => {
                 let own = (file.clone(), numeric, problems);
                 match all.iter_mut().find(|alike| alike.names == names) {
                     Some(alike) => alike.files.push(own),
-                    None => all.push(Alike { names, files: vec![own] }),
+                    None => all.push(Alike { names, rows, files: vec![own] }),
                 }
             }
             Err(error) => left.push(LeftOut { file: file.clone(), reason: reason(&error) }),
@@ -61,6 +76,19 @@ pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>
     }
     let kinds = all.into_iter().flat_map(|alike| alike.kinds(&mut left)).collect();
     (kinds, left)
+}
+
+/// The number of rows of a table, by the first of these columns.
+fn rows_of(table: &Table, columns: &[String]) -> usize {
+    let place = columns.first().and_then(|name| table.names().iter().position(|own| own == name));
+    let read = place.and_then(|place| table.read_each(&[place]).ok()?.pop()?.ok());
+    read.map_or(0, |column| column.len())
+}
+
+/// Whether a column has the class of rows as a number, by its name.
+fn is_label(name: &str) -> bool {
+    const WORDS: [&str; 5] = ["label", "labels", "class", "klasse", "classe"];
+    words(name).iter().any(|word| WORDS.contains(&word.as_str()))
 }
 
 /// The reason of an error, without the name of the file.
@@ -102,15 +130,16 @@ impl Alike {
         let is_kept = |problem: &str| names.iter().any(|name| problem.contains(&format!("column {name}:")));
         let columns_left = self.files.first().map_or(&[][..], |(_, _, problems)| problems).iter().map(reason);
         let columns_left = columns_left.filter(|problem| !is_kept(problem)).collect();
-        (!files.is_empty()).then_some(Kind { names, columns_left, files })
+        (!files.is_empty()).then_some(Kind { names, columns_left, files, rows: self.rows })
     }
 }
 
-/// The kind of most files, with the files of others that have its channels; of equals one with a current, then the
-/// first. The files of other kinds are left out.
+/// The kind of most files that are no short tables, with the files of others that have its channels; of equals one with
+/// a current, then the first. The files of other kinds are left out.
 pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind> {
     let current = |kind: &Kind| usize::from(Guess::of(&kind.names).current.is_some());
-    let most = (0..kinds.len()).rev().max_by_key(|&k| (kinds[k].files.len(), current(&kinds[k])))?;
+    let most =
+        (0..kinds.len()).rev().max_by_key(|&k| (kinds[k].rows >= FEWEST, kinds[k].files.len(), current(&kinds[k])))?;
     let mut own = kinds.swap_remove(most);
     for other in kinds {
         let shared: Vec<String> = own.names.iter().filter(|name| other.names.contains(name)).cloned().collect();
@@ -127,7 +156,7 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
     own.files.sort_unstable();
     let mut seen: Vec<PathBuf> = Vec::new();
     for file in std::mem::take(&mut own.files) {
-        let same = |other: &&PathBuf| other.parent() == file.parent() && are_alike(other, &file);
+        let same = |other: &&PathBuf| is_one(other, &file);
         match seen.iter().find(same) {
             Some(first) => {
                 let reason = format!("the same name as {} in another format", file_name(first));
@@ -140,9 +169,9 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
     Some(own)
 }
 
-/// Whether labels name two files alike: without folder and format.
-pub(super) fn are_alike(one: &Path, other: &Path) -> bool {
-    stem(&file_name(one)) == stem(&file_name(other))
+/// Whether labels name two files alike: of one folder, without the format.
+pub(super) fn is_one(one: &Path, other: &Path) -> bool {
+    one.parent() == other.parent() && stem(&file_name(one)) == stem(&file_name(other))
 }
 
 #[cfg(test)]
@@ -177,5 +206,39 @@ mod tests {
         assert!(told[0].starts_with("bad.csv: line 3, column current_a: 1e306 is no measured value"), "{told:?}");
         assert_eq!(told[1], "c.txt: the same name as c.csv in another format");
         assert!(told[2].starts_with("words.csv: line 2, column a: \"x\" is not a number"), "{told:?}");
+    }
+
+    #[test]
+    fn columns_of_classes_are_no_signals_and_are_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, of_class) in [("a.csv", "label"), ("b.csv", "fault_class"), ("c.csv", "Klasse")] {
+            let file = folder.path().join(name);
+            std::fs::write(&file, format!("t_s,current_a,{of_class}\n0,1,2\n0.1,2,2\n0.2,3,2\n")).expect("writable");
+            let (all, mut left) = kinds(&[file], &Data::default(), &Log::new(&model::session::Quiet));
+            let own = most(all, &mut left).expect("a kind");
+            assert_eq!(own.names, ["current_a"]);
+            assert_eq!(own.columns_left, [format!("column {of_class}: the class of rows, no signal")]);
+        }
+        assert!(!is_label("classic_speed") && !is_label("velocity"));
+    }
+
+    #[test]
+    fn tables_of_parameters_are_no_recordings_however_many_there_are() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: String| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).expect("writable");
+            path
+        };
+        let rows: String = (0..20).map(|k| format!("{k},{},{}\n", 2 * k, k % 3)).collect();
+        let tables = ["parameter,value\nr_ohm,0.5\nl_h,0.001\n", "gain,offset\n1.5,0.2\n", "id;mass_kg\n7;1.25\n"];
+        for table in tables {
+            let files = ["a.csv", "b.csv", "c.csv"].map(|name| write(name, table.into()));
+            let record = write("z.csv", format!("t_s,current_a,speed_rpm\n{rows}"));
+            let all: Vec<PathBuf> = files.into_iter().chain([record.clone()]).collect();
+            let (all, mut left) = kinds(&all, &Data::default(), &Log::new(&model::session::Quiet));
+            assert_eq!(most(all, &mut left).expect("a kind").files, [record], "{table}");
+            assert_eq!(left.len(), 3, "{table}");
+        }
     }
 }

@@ -14,6 +14,7 @@ mod proposal;
 mod raw;
 mod trial;
 mod values;
+mod words;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ use names::{REFERENCE, Told};
 use trial::Outcome;
 use values::Values;
 
+use crate::listing::Listing;
 use model::Error;
 use model::outputs;
 use model::session::Log;
@@ -61,7 +63,9 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         },
         Path::to_path_buf,
     );
-    let files = files_of(traces)?;
+    let listing = Listing::without_labels(traces, None)?;
+    log.warn(listing.left_out.iter().cloned());
+    let files = listing.files();
     // A relative file is beside the drive file, as the drive file names it.
     let front_end = asked.front_end.map(|file| outputs::folder_of(&out).join(file));
     let written: Vec<&Path> = [Some(out.as_path()), front_end.as_deref()].into_iter().flatten().collect();
@@ -99,24 +103,6 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         _ => told += &note.map_or_else(String::new, |note| format!(" Note: {note}.")),
     }
     Ok(Described { told, question, file: out })
-}
-
-/// The files in these paths, or in the folders below a folder that has none itself.
-fn files_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
-    let mut all = Vec::new();
-    for path in paths {
-        let own = crate::files(std::slice::from_ref(path))?;
-        if !own.is_empty() || !path.is_dir() {
-            all.extend(own);
-            continue;
-        }
-        let entries = std::fs::read_dir(path).map_err(Error::io(path))?;
-        let mut folders: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-        folders.retain(|folder| folder.is_dir());
-        folders.sort();
-        all.extend(crate::files(&folders)?);
-    }
-    Ok(all)
 }
 
 fn folder_of(path: &Path) -> PathBuf {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::found::Found;
 use super::guess::Guess;
-use super::names::{HEALTHY, REFERENCE};
+use super::names::{HEALTHY, REFERENCE, is_healthy};
 use super::proposal::Proposal;
 use crate::reader;
 use crate::units::Unit;
@@ -143,14 +143,16 @@ impl Values {
             self.values.insert("classes", format!("[{}]  # one record only: {}", list.join(", "), single.join(", ")));
         }
         let is_named = |name: &&&String| HEALTHY.contains(&name.to_lowercase().as_str());
-        let has_word = |name: &&&String| HEALTHY.iter().any(|word| name.to_lowercase().contains(word));
+        let has_word = |name: &&&String| is_healthy(name);
         let pool: Vec<&String> = if classes.len() > 1 { several } else { classes.iter().collect() };
         let reference = || pool.iter().find(|name| name.as_str() == REFERENCE);
         let known = pool.iter().find(is_named).or_else(|| pool.iter().find(has_word)).or_else(reference).copied();
         let Some(healthy) = known else { return };
         self.values.insert("healthy", text(healthy));
         self.values.insert("nominal", text(healthy));
-        let group = GROUPS.iter().find(|group| labels.columns().iter().any(|column| column == *group));
+        // Of labels that were made each record may be a run of its own.
+        let is_group = |name: &String| found.made.is_none() || labels.joins(name);
+        let group = GROUPS.iter().find(|group| labels.columns().iter().any(|name| name == *group && is_group(name)));
         if let Some(group) = group {
             self.values.insert("group", text(group));
         }

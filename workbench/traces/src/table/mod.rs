@@ -79,7 +79,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use model::Error;
-use model::trace::{Recorded, TextForm, extensions, file_name};
+use model::trace::{Recorded, TextForm, composed, extensions, file_name};
 
 use columns::{NO_NUMBER, Unusable, settle, too_large};
 use formats::{is_binary, left_out, unread};
@@ -167,12 +167,14 @@ impl Table {
         if let Content::Columns(columns) = &content {
             arrays::rising_time(&names, columns, &mut about);
         }
+        let names = names.iter().map(|name| composed(name).into_owned()).collect();
         Ok(Self { path: path.to_path_buf(), names, content, about, id: None })
     }
 
     /// A table in memory; messages name it as a file.
+    #[must_use]
     pub fn of(recorded: &Arc<Recorded>) -> Self {
-        let names = recorded.names().map(String::from).collect();
+        let names = recorded.names().map(|name| composed(name).into_owned()).collect();
         Self {
             path: recorded.name().into(),
             names,
