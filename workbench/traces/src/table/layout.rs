@@ -13,12 +13,14 @@
 
 use super::about::About;
 use super::cells::{
-    Line, clean, grouped, is_decimal_comma, lines, plain_number, plainly_grouped, split, start_of_line, truth,
+    Line, clean, grouped, is_decimal_comma, lines, plain_number, plainly_grouped, row_ends, split, start_of_line,
+    truth, without_end,
 };
 use super::clock::Clock;
 use super::fraction;
 use super::header::Head;
 use super::preamble;
+use super::rates::Rates;
 use super::rows::Rows;
 use super::time_name::{self, Guess};
 use super::twins;
@@ -46,6 +48,10 @@ pub(super) struct Layout {
     thousands: bool,
     /// The first character of lines that are skipped.
     pub(super) comment: Option<u8>,
+    /// Whether a semicolon ends each row, and separates nothing.
+    pub(super) row_ends: bool,
+    /// The times of the columns, if they have several rates; a row of slower ones may end early.
+    pub(super) rates: Option<Rates>,
     /// Names of the columns, and the cells of the line they are from.
     pub(super) names: Vec<String>,
     pub(super) header: Vec<String>,
@@ -78,7 +84,11 @@ impl Layout {
         }
         let usual = [b';', b'\t', b'|', b',', b' '];
         let given = form.separator.map(|own| [own.byte()]);
-        let separators = given.as_ref().map_or(&usual[..], |own| own);
+        let row_ends = given.is_none_or(|[own]| own != b';') && row_ends(&content);
+        if row_ends {
+            content.iter_mut().chain(&mut comments).for_each(|line| line.text = without_end(line.text));
+        }
+        let separators = given.as_ref().map_or(&usual[usize::from(row_ends)..], |own| own);
         let found = separators.iter().filter_map(|separator| Rows::of(&content, *separator, form));
         // The first of equals: with decimal commas, a comma may separate as many columns.
         let best = found.reduce(|best, other| {
@@ -87,7 +97,7 @@ impl Layout {
             if other.columns() > best.columns() && !stands { other } else { best }
         });
         match best {
-            Some(rows) => Self::with(&rows, (&content, &comments), (comment, form)),
+            Some(rows) => Self { row_ends, ..Self::with(&rows, (&content, &comments), (comment, form)) },
             None => Self::without_rows(&content, (comment, separators)),
         }
     }
@@ -147,6 +157,7 @@ impl Layout {
         let head = Head::of((content, comments), rows, used);
         head.doubts(content, first, &mut about);
         about.step_s = head.step_s;
+        about.notes.extend(head.rates.as_ref().map(|rates| rates.told(&head.names)));
         let mut names = head.names;
         names.resize(cells, String::new());
         let own = Self {
@@ -154,6 +165,8 @@ impl Layout {
             decimal_comma,
             thousands: form.decimal.is_some(),
             comment,
+            row_ends: false,
+            rates: head.rates,
             names,
             header: head.cells,
             first: content[first].before,
@@ -168,12 +181,30 @@ impl Layout {
                 own.find_twins(&of_rows, time, content[first].before);
                 own.about.fraction = fraction::of(&own.names, &of_rows, time, |cell| own.number(cell));
             }
-            None if own.about.step_s.is_none() => {
-                own.about.step_s = preamble::step_s(&content[..first], comments, &mut own.about);
+            None => {
+                if own.about.step_s.is_none() {
+                    own.about.step_s = preamble::step_s(&content[..first], comments, &mut own.about);
+                }
+                own.doubt_counter(&of_rows);
             }
-            None => {}
         }
         own
+    }
+
+    /// Says which column may be a time in steps of an unknown unit.
+    fn doubt_counter(&mut self, rows: &[Vec<&str>]) {
+        let place = self.names.iter().position(|name| time_name::may_count(name));
+        let Some(place) = place.filter(|_| self.about.step_s.is_none() && !self.header.is_empty()) else { return };
+        let values: Vec<f64> =
+            rows.iter().filter_map(|row| self.number(row[place])).filter(|value| value.is_finite()).collect();
+        let counts = values.iter().all(|value| value.fract() == 0.0) && values.len() >= SETTLED;
+        if counts && time_name::rises(&values) {
+            let name = &self.names[place];
+            self.about.notes.push(format!(
+                "column {name} counts up and may be the time, but the unit of its steps is not known: write the seconds \
+                 with convert --time none --columns \"t_s={name}/RATE,…\", or give --time \"{name}\" if it counts seconds"
+            ));
+        }
     }
 
     /// Finds the columns that repeat the time for each channel, and those that have other times.

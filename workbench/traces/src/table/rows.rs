@@ -2,6 +2,7 @@
 
 use super::cells::{Kind, Line, are_places, grouped, kind, split};
 use super::keyed;
+use super::twins;
 use model::trace::{Decimal, TextForm};
 
 /// The rows by one separator.
@@ -24,9 +25,15 @@ impl Rows {
         // Of given places the first rows are not looked for.
         let before = if form.units_row { 2 } else { 0 };
         let content = content.get(before..)?;
-        let all: Vec<Vec<&str>> = content.iter().map(|line| split(line.text, separator)).collect();
+        let mut all: Vec<Vec<&str>> = content.iter().map(|line| split(line.text, separator)).collect();
+        // Rows of several rates end early.
+        let of_rates = twins::cells(&all);
+        all.iter_mut().filter(|row| of_rates.is_some_and(|cells| row.len() < cells)).for_each(|row| {
+            row.resize(of_rates.unwrap_or_default(), "");
+        });
         let count = |cells: usize| all.iter().filter(|row| row.len() == cells).count();
-        let cells = all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells))?;
+        let usual = || all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells));
+        let cells = of_rates.or_else(usual)?;
         let is_grouped = |cell: &str| form.decimal.is_some_and(|mark| grouped(cell, mark == Decimal::Comma).is_some());
         let kind = |cell: &str| if is_grouped(cell) { Kind::Number } else { kind(cell, true) };
         let kinds = |row: &Vec<&str>| row.iter().map(|cell| kind(cell)).collect::<Vec<_>>();
