@@ -23,8 +23,9 @@ use matrw::{MatFile, MatVariable};
 use crate::damaged::guarded;
 use crate::table::about::About;
 use crate::table::arrays::{along_longer, only_variable};
+use crate::table::groups::Named;
 use crate::table::matlab_value::{OBJECT, Value};
-use crate::table::records::{Arrays, Named, columns_of};
+use crate::table::records::{Arrays, columns_of};
 use crate::table::{hdf5_links, limit, matlab_4, matlab_arrays, matlab_elements, matlab_hdf5, time_name};
 use model::Error;
 

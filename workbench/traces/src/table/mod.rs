@@ -36,6 +36,8 @@ mod ending;
 mod formats;
 pub(crate) mod fraction;
 pub mod from_first;
+#[cfg(any(feature = "matlab", feature = "numpy"))]
+mod groups;
 #[cfg(feature = "matlab")]
 mod hdf5;
 #[cfg(feature = "matlab")]

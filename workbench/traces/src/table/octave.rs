@@ -48,9 +48,10 @@ pub(super) fn read(path: &Path, about: &mut About) -> Result<Option<Arrays>, Err
 
 /// Whether a text begins as Octave's.
 fn is_header(head: &str) -> bool {
-    let is_comment = head.trim_start().starts_with(['#', '%']);
     let lines: Vec<&str> = head.lines().collect();
-    is_comment && lines.windows(2).any(|pair| told(pair[0], "name").is_some() && told(pair[1], "type").is_some())
+    let ends = ["matrix", "scalar", "struct", "string", "cell", "range", "bool"];
+    let is_type = |line: &str| told(line, "type").is_some_and(|kind| ends.iter().any(|end| kind.ends_with(end)));
+    lines.windows(2).any(|pair| told(pair[0], "name").is_some() && is_type(pair[1]))
 }
 
 /// What a line such as `# rows: 3` tells.
@@ -334,7 +335,9 @@ mod tests {
         assert!(cut.contains("line 8") && cut.contains("2 of 3 values") && cut.contains("save it again"), "{cut}");
         let odd = open("m.txt", &text.replace("\n 1\n", "\n x\n")).map(|_| ()).expect_err("a word");
         assert!(odd.contains("line 7: not readable as Octave's text: \"x\" is not a number"), "{odd}");
-        let other = open("m.txt", "# name: rig 7\n# t, i\n0.5,1\n1.5,2\n").expect("a text of columns");
-        assert_eq!(other.0.names(), ["t", "i"]);
+        for head in ["# name: rig 7\n# t, i\n", "# name: rig 7\n# type: servo\nt,i\n"] {
+            let other = open("m.txt", &format!("{head}0.5,1\n1.5,2\n")).expect("a text of columns");
+            assert_eq!(other.0.names(), ["t", "i"]);
+        }
     }
 }

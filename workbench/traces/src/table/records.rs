@@ -9,12 +9,13 @@
 //! axes, sensors or phases of one recording have one length, and stay its columns. What is in no record belongs to each
 //! of them if it is one number, or has a value for each of its rows.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use crate::table::about::About;
 use crate::table::arrays::{of_one_length, rising_time};
 use crate::table::columns::{Columns, Wanted};
+use crate::table::groups::{Group, Named, all_parts, are_records, groups, last, number_of_element, places};
 use crate::table::limit::Limit;
 use crate::table::time_name;
 use model::Error;
@@ -24,40 +25,6 @@ use model::trace::{file_name, stem};
 const TRACE: &str = "trace";
 /// Records that are named where they are told.
 const TOLD: usize = 5;
-/// Names of what one recording has several of.
-const DEVICES: [&str; 24] = [
-    "axis",
-    "axes",
-    "joint",
-    "motor",
-    "drive",
-    "phase",
-    "channel",
-    "chan",
-    "ch",
-    "sensor",
-    "actuator",
-    "wheel",
-    "leg",
-    "link",
-    "dof",
-    "encoder",
-    "module",
-    "node",
-    "slave",
-    "amplifier",
-    "bearing",
-    "signal",
-    "arm",
-    "imu",
-];
-
-/// Names of the values of a signal whose group has its name.
-const VALUES: [&str; 8] = ["value", "values", "val", "data", "signal", "samples", "y", "x"];
-
-/// Names and values of arrays.
-pub(super) type Named = Vec<(String, Vec<f64>)>;
-
 /// Columns of arrays, the rows of one record after those of another.
 #[derive(Debug, Default)]
 pub(super) struct Arrays {
@@ -112,63 +79,6 @@ pub(super) fn columns_of(path: &Path, arrays: Named, about: &mut About) -> Resul
     }
 }
 
-/// The parts of the name of an array: groups, fields and numbers of elements, each with the place where it ends.
-fn parts(name: &str) -> Vec<(&str, usize)> {
-    let bytes = name.as_bytes();
-    let is_letter = |at: usize| bytes.get(at).is_some_and(|byte| byte.is_ascii_alphabetic() || *byte == b'_');
-    let (mut all, mut start) = (Vec::new(), 0);
-    for at in 0..bytes.len() {
-        // A point in a number ends no name.
-        let is_end = bytes[at] == b'/' || bytes[at] == b'.' && is_letter(at + 1);
-        let opens = bytes[at] == b'(' && at > start && number_of_element(&name[at..]).is_some();
-        if is_end || opens || at > start && bytes[at] == b')' && bytes[start] == b'(' {
-            let end = if bytes[at] == b')' { at + 1 } else { at };
-            if end > start {
-                all.push((&name[start..end], end));
-            }
-            start = if is_end { at + 1 } else { end };
-        }
-    }
-    if start < name.len() {
-        all.push((&name[start..], name.len()));
-    }
-    all
-}
-
-/// The number of an element such as (3) at the start of a text.
-fn number_of_element(text: &str) -> Option<&str> {
-    let (number, _) = text.strip_prefix('(')?.split_once(')')?;
-    (!number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())).then_some(number)
-}
-
-/// A group of arrays, which may be a record.
-struct Group<'a> {
-    /// The parts of its name.
-    name: Vec<&'a str>,
-    /// Names of its arrays within it, and their places.
-    arrays: Vec<(&'a str, usize)>,
-    /// Names of those with more than one number.
-    signals: BTreeSet<&'a str>,
-    rows: usize,
-}
-
-impl Group<'_> {
-    /// Whether at least half of the signals of both are in both.
-    fn is_like(&self, signals: &BTreeSet<&str>) -> bool {
-        let common = self.signals.intersection(signals).count();
-        common > 0 && 2 * common >= self.signals.union(signals).count()
-    }
-
-    /// Whether its name ends with a number, and the word before that.
-    fn numbered(&self) -> (bool, String) {
-        let (elements, names): (Vec<&str>, Vec<&str>) = self.name.iter().partition(|part| part.starts_with('('));
-        let name = names.last().copied().unwrap_or_default();
-        let word = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        let is_numbered = !elements.is_empty() || word.len() < name.len();
-        (is_numbered, word.trim_end_matches(['_', '-', ' ', '.']).to_lowercase())
-    }
-}
-
 /// The records of a file: of each the id, the names and places of its arrays, and its rows; and the arrays of none.
 struct Split {
     records: Vec<(String, Vec<(String, usize)>, usize)>,
@@ -178,7 +88,7 @@ struct Split {
 impl Split {
     /// Finds the records among arrays, the innermost groups first; `None` if there is one record.
     fn of(arrays: &Named) -> Option<Self> {
-        let all: Vec<Vec<(&str, usize)>> = arrays.iter().map(|(name, _)| parts(name)).collect();
+        let all = all_parts(arrays);
         let deepest = all.iter().map(Vec::len).max()?;
         (1..deepest).rev().find_map(|depth| {
             let groups = groups(arrays, &all, depth);
@@ -197,7 +107,7 @@ impl Split {
         let first = &records[0].name;
         let is_common = |k: &usize| records.iter().all(|record| record.name.get(*k) == first.get(*k));
         let common = (0..first.len()).take_while(is_common).count();
-        let list = first[..common].last().copied().unwrap_or_default();
+        let list = first[..common].last().copied().unwrap_or("m");
         let is_short = records.iter().all(|record| {
             let last: BTreeSet<&str> = record.arrays.iter().map(|(name, _)| last(name)).collect();
             last.len() == record.arrays.len()
@@ -296,61 +206,6 @@ impl Arrays {
     }
 }
 
-/// The places of the arrays of groups.
-fn places(groups: &[&Group<'_>]) -> BTreeSet<usize> {
-    groups.iter().flat_map(|group| group.arrays.iter().map(|(_, place)| *place)).collect()
-}
-
-/// The last part of a name.
-fn last(name: &str) -> &str {
-    parts(name).last().map_or(name, |(part, _)| *part)
-}
-
-/// The groups at a depth, with what is below them.
-fn groups<'a>(arrays: &'a Named, all: &[Vec<(&'a str, usize)>], depth: usize) -> Vec<Group<'a>> {
-    let (mut groups, mut places) = (Vec::<Group<'a>>::new(), HashMap::<Vec<&str>, usize>::new());
-    for (place, ((name, values), parts)) in arrays.iter().zip(all).enumerate() {
-        let Some((_, end)) = parts.get(depth - 1).filter(|_| parts.len() > depth) else { continue };
-        let group: Vec<&str> = parts[..depth].iter().map(|(part, _)| *part).collect();
-        let at = *places.entry(group.clone()).or_insert_with(|| {
-            groups.push(Group { name: group, arrays: vec![], signals: BTreeSet::new(), rows: 0 });
-            groups.len() - 1
-        });
-        let inside = name[*end..].trim_start_matches(['/', '.']);
-        groups[at].arrays.push((inside, place));
-        if values.len() > 1 {
-            groups[at].signals.insert(inside);
-        }
-        groups[at].rows = groups[at].rows.max(values.len());
-    }
-    groups
-}
-
-/// Whether groups that are alike are records, not parts of one.
-fn are_records(groups: &[&Group<'_>], arrays: &Named) -> bool {
-    let is_time = |name: &&str| time_name::usual(last(name)).is_some();
-    let rows = groups[0].rows;
-    let names: Vec<(bool, String)> = groups.iter().map(|group| group.numbered()).collect();
-    let are_numbered = names.iter().all(|(is_numbered, word)| *is_numbered && *word == names[0].1);
-    let are_devices = names.iter().any(|(_, word)| DEVICES.contains(&word.as_str()));
-    // A group with the values of one signal has its name, if that is no number of a record.
-    let signals = |group: &&Group<'_>| group.signals.iter().filter(|name| !is_time(name)).count();
-    let is_value = |name: &&str| VALUES.contains(&last(name).to_lowercase().as_str());
-    let of_signal = groups[0].signals.iter().any(is_value) && !are_numbered;
-    if groups.iter().all(|group| signals(group) < 2) && (are_devices || of_signal) {
-        return false;
-    }
-    if groups.iter().any(|group| group.rows != rows) {
-        return true;
-    }
-    let inside = places(groups);
-    let mut outside = arrays.iter().enumerate().filter(|(place, _)| !inside.contains(place));
-    let is_simultaneous = outside.any(|(_, (_, values))| values.len() == rows);
-    let are_matrices = groups[0].signals.iter().all(|name| name.starts_with('_'));
-    let have_times = groups.iter().all(|group| group.signals.iter().any(is_time));
-    !are_devices && !are_matrices && (have_times || are_numbered && !is_simultaneous)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -387,10 +242,11 @@ mod tests {
             ),
             (&[("c(1)_1", 3), ("c(1)_2", 3), ("c(2)_1", 2), ("c(2)_2", 2)], "trace c_1 c_2", "1 3, 2 2"),
             (
-                &[("r1/m/i", 3), ("r1/e/q", 3), ("r1/fs", 1), ("r2/m/i", 2), ("r2/e/q", 2), ("r2/fs", 1)],
-                "trace i q fs",
+                &[("r1/m/i", 3), ("r1/e/q", 3), ("r1/load", 1), ("r2/m/i", 2), ("r2/e/q", 2), ("r2/load", 1)],
+                "trace i q load",
                 "r1 3, r2 2",
             ),
+            (&[("run1_1", 3), ("run1_2", 3), ("run2_1", 2), ("run2_2", 2)], "trace m_1 m_2", "run1 3, run2 2"),
             (
                 &[("v1.5/t", 3), ("v1.5/i", 3), ("v2.5/t", 3), ("v2.5/i", 3), ("calibration", 7)],
                 "trace t i",
@@ -413,6 +269,10 @@ mod tests {
             &[("current/time", 3), ("current/value", 3), ("temperature/time", 2), ("temperature/value", 2)],
             &[("motor.i", 3), ("encoder.q", 3), ("c(1)", 3), ("c(2)", 3)],
             &[("m_1", 3), ("m_2", 3)],
+            &[("m1_1", 3), ("m1_2", 3), ("m2_1", 3), ("m2_2", 3)],
+            // Two matrices of other things.
+            &[("current_1", 3), ("current_2", 3), ("heat_1", 2), ("heat_2", 2)],
+            &[("axis1_1", 3), ("axis1_2", 3), ("axis2_1", 2), ("axis2_2", 2)],
         ] {
             let (names, records) = told(arrays);
             assert_eq!((records.as_str(), names.starts_with("trace")), ("", false), "{arrays:?}");

@@ -82,21 +82,7 @@ pub(super) fn keyed(content: &[Line<'_>], first: usize, separator: u8, columns: 
     let time = format!("time [{}]", steps.as_ref().map_or("ms", |(unit, _)| unit));
     let time_of: Vec<usize> =
         (0..columns).map(|k| times.iter().copied().rfind(|time| *time <= k).unwrap_or_default()).collect();
-    let told = |k: usize| number_of(&steps.as_ref()?.1[k]);
-    // With commas between cells and in numbers the line of sample times has more cells.
-    let measured = |time: usize| {
-        let times = content[first..].iter().map_while(|line| number_of(split(line.text, separator).get(time)?));
-        let times: Vec<f64> = times.collect();
-        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        (!steps.is_empty()).then(|| median(&steps))
-    };
-    let step = |time: usize| {
-        let of_group = (time + 1..columns).find(|k| time_of[*k] == time);
-        of_group.and_then(told).or_else(|| measured(time))
-    };
-    let of_time: BTreeMap<usize, Option<f64>> = times.iter().map(|time| (*time, step(*time))).collect();
-    let all: Option<Vec<(usize, f64)>> = time_of.iter().map(|time| Some((*time, of_time[time]?))).collect();
-    let rates = all.and_then(|all| Rates::of(all, steps.as_ref().map_or("ms", |(unit, _)| unit)));
+    let rates = rates(&time_of, steps.as_ref(), (&content[first..], separator));
     let named = |k: usize| match &rates {
         Some(rates) if is_time(&k) && k != rates.time() => String::new(),
         _ if is_time(&k) => time.clone(),
@@ -104,6 +90,29 @@ pub(super) fn keyed(content: &[Line<'_>], first: usize, separator: u8, columns: 
     };
     let names = (0..columns).map(named).collect();
     Some(Keyed { before, names, rates })
+}
+
+/// The rates of columns with these times: as they are told in a unit, or by the times of the rows.
+fn rates(
+    time_of: &[usize],
+    told: Option<&(String, &Vec<String>)>,
+    (rows, separator): (&[Line<'_>], u8),
+) -> Option<Rates> {
+    // With commas between cells and in numbers the line of sample times has more cells.
+    let measured = |time: usize| {
+        let times = rows.iter().map_while(|line| number_of(split(line.text, separator).get(time)?));
+        let times: Vec<f64> = times.collect();
+        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        (!steps.is_empty()).then(|| median(&steps))
+    };
+    let mut of_time: BTreeMap<usize, Option<f64>> = BTreeMap::new();
+    for (k, time) in time_of.iter().enumerate().filter(|(k, time)| k != *time) {
+        of_time
+            .entry(*time)
+            .or_insert_with(|| told.and_then(|(_, all)| number_of(&all[k])).or_else(|| measured(*time)));
+    }
+    let all: Option<Vec<(usize, f64)>> = time_of.iter().map(|time| Some((*time, (*of_time.get(time)?)?))).collect();
+    Rates::of(all?, told.map_or("ms", |(unit, _)| unit))
 }
 
 /// The columns beside `time` that have its name, as they are or numbered: the same in each row, or the first row in
