@@ -74,7 +74,8 @@ mod tests {
 
     #[test]
     fn values_that_change_are_held() {
-        let signals: [(fn(usize) -> f64, f64); 4] = [
+        type Signal = fn(usize) -> f64;
+        let signals: [(Signal, f64); 4] = [
             (|k| 5.0 * (k as f64 / 90.0).sin(), 0.1),
             (|k| 0.01 * k as f64, 0.05),
             (|k| (k as f64 / 40.0).sin() + 0.08 * noise(k), 0.1),

@@ -21,9 +21,12 @@ fn read(text: &str) -> Result<(Vec<String>, Series, Vec<String>), String> {
     Ok((names, series, table.about().told().collect()))
 }
 
+/// Names and units of the channels of a group, its step in ms, and its rows.
+type Group = (Vec<(&'static str, &'static str)>, f64, usize);
+
 /// Groups of channels: their names and units, the steps in ms, and the rows of each.
 struct Export {
-    groups: Vec<(Vec<(&'static str, &'static str)>, f64, usize)>,
+    groups: Vec<Group>,
     separator: &'static str,
     comma: bool,
     /// What a cell has behind the end of its group; nothing if the row ends there.

@@ -79,9 +79,12 @@ pub(super) fn columns_of(path: &Path, arrays: Named, about: &mut About) -> Resul
     }
 }
 
-/// The records of a file: of each the id, the names and places of its arrays, and its rows; and the arrays of none.
+/// Of a record the id, the names and places of its arrays, and its rows.
+type OfRecord = (String, Vec<(String, usize)>, usize);
+
+/// The records of a file, and the arrays of none.
 struct Split {
-    records: Vec<(String, Vec<(String, usize)>, usize)>,
+    records: Vec<OfRecord>,
     others: Vec<usize>,
 }
 
