@@ -18,10 +18,11 @@ use crate::input::Input;
 use crate::{checksum, served};
 
 /// The doors.
-pub static DOORS: [Door; 13] = [
+pub static DOORS: [Door; 14] = [
     Door::new("text", "tables of text", |bytes| table("t.csv", bytes)),
     Door::new("packed", "tables of text, with gzip or zstd", |bytes| table("t.csv.gz", bytes)),
     Door::new("matlab", "MATLAB 5 to 7.3", |bytes| table("t.mat", bytes)),
+    Door::new("hdf5", "HDF5", |bytes| table("t.h5", bytes)),
     Door::new("parquet", "Parquet, of traces and of features", parquet),
     Door::new("arrow", "Arrow's files", |bytes| table("t.arrow", bytes)),
     Door::new("numpy", "archives of NumPy", |bytes| table("t.npz", bytes)),

@@ -16,6 +16,7 @@
 //! | [`table`] | named columns of a file of any format, or in memory |
 //! | [`reader`] | columns → traces: one file a trace, or a table with a column of their names |
 //! | `table_header` | which columns are the time, the traces and signals |
+//! | `changes` | logs of changes: the last value is held |
 //! | `row_times` | columns → the time of each row |
 //! | `assemble` | rows → samples: what is missing is NaN |
 //! | [`front_end`] | recordings at the control rate → clean samples |
@@ -31,6 +32,7 @@
 
 mod assemble;
 pub mod audit;
+mod changes;
 mod cleaned_reader;
 pub mod damaged;
 pub mod describe;

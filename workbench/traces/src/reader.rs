@@ -209,12 +209,27 @@ fn parts(
             Some(_) => whole.iter().flatten().map(|column| rows.of(column)).collect(),
         };
         let mut of_place: BTreeMap<usize, Vec<f64>> = places.iter().copied().zip(of_trace).collect();
+        hold_changes(table, &header, &rows.id, &mut of_place);
         let place_of_row = |row: usize| columns.place(rows.row(row));
         let times_s = row_times.take(&mut of_place, &needed, (&rows.id, &place_of_row))?;
         Ok(Part { id: rows.id, columns: of_place, times_s, time: header.time() })
     };
     let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))
+}
+
+/// Holds the values of a log of changes, and says so; a table in memory may be a piece, whose values tell too little.
+fn hold_changes(table: &Table, header: &Header, id: &str, columns: &mut BTreeMap<usize, Vec<f64>>) {
+    for (place, column) in columns.iter_mut().filter(|(place, _)| !table.is_in_memory() && !header.is_time(**place)) {
+        let rows = column.len();
+        if let Some(empty) = crate::changes::hold(column) {
+            let (file, name) = (table.path().display(), &header.names()[*place]);
+            log::warn!(
+                "{file}: column {name} of {id}: {empty} of {rows} cells are empty, and no value comes twice: a log of \
+                 changes, whose last value is held"
+            );
+        }
+    }
 }
 
 /// Reports what is read of a file, and what was left out or guessed.

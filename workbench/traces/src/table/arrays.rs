@@ -27,7 +27,7 @@ pub(super) fn of_one_length(
     let each = |(name, column): (String, Vec<f64>)| match column[..] {
         [one] => {
             if rows > 1 && about.step_s.is_none() {
-                let own = name.rsplit('.').next().unwrap_or_default();
+                let own = name.rsplit(['.', '/']).next().unwrap_or_default();
                 about.step_s = preamble::of_value(own, one);
                 about.notes.extend(about.step_s.map(|step| {
                     format!(

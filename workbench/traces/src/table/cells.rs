@@ -45,6 +45,23 @@ fn is_rule(line: &str) -> bool {
     ["---", "==="].iter().any(|mark| line.contains(mark)) && !line.contains(char::is_alphanumeric)
 }
 
+/// Whether a semicolon ends most lines, and separates nothing in them: 0.1,2.5;
+pub(super) fn row_ends(content: &[Line<'_>]) -> bool {
+    let is_ended = |line: &&Line<'_>| {
+        let text = without_end(line.text);
+        // With two cells a comma may be decimal.
+        let separates = text.contains(['\t', '|', '.']) || text.matches(',').count() != 1;
+        text.len() < line.text.len() && !text.contains(';') && separates
+    };
+    let ended = content.iter().filter(is_ended).count();
+    ended > 1 && 2 * ended > content.len()
+}
+
+/// A row without the semicolon that ends it.
+pub(super) fn without_end(row: &str) -> &str {
+    row.trim_end().strip_suffix(';').map_or(row, str::trim_end)
+}
+
 /// The cells of a line, without blanks and quotes around them.
 pub(super) fn split(line: &str, separator: u8) -> Vec<&str> {
     if separator == b' ' {
@@ -212,6 +229,18 @@ mod tests {
         assert_eq!(comments[0].text, "# a");
         assert_eq!(split("\"a;b\" ; c", b';'), ["a;b", "c"]);
         assert_eq!(lines("a|b\n---+---\n1|2\n", None, 100).0.len(), 2);
+    }
+
+    #[test]
+    fn semicolons_may_end_rows() {
+        let ends = |text: &str| row_ends(&lines(text, None, 100).0);
+        for text in ["t,i\n0.1,2;\n0.2,3;\n", "t\ti\n0,1\t2,5;\n0,2\t3;\n0,3\t4;\n", "a,b,c;\n1,2,3;\n4,5,6;\n"] {
+            assert!(ends(text), "{text}");
+        }
+        for text in ["t;i;\n0,1;2;\n0,2;3;\n", "t;\n0,1;\n0,2;\n", "t,i\n0.1,2\n0.2,3;\n", "t,i\n0.1,2\n"] {
+            assert!(!ends(text), "{text}");
+        }
+        assert_eq!(["1.5;", "1.5 ;\r", "1.5", "a;b"].map(without_end), ["1.5", "1.5", "1.5", "a;b"]);
     }
 
     #[test]

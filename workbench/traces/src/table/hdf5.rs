@@ -7,6 +7,9 @@
 //! /z              complex numbers                 columns z_re, z_im
 //! /log            a table: a compound of fields   columns log.a, log.b, …
 //! ```
+//!
+//! Groups that are records become traces ([`super::records`]); attributes scale values and name units
+//! ([`super::hdf5_attributes`]).
 
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
@@ -16,8 +19,10 @@ use hdf5_pure::{DType, Dataset, Datatype, DatatypeByteOrder, File, Group};
 use crate::damaged::{DAMAGED, guarded};
 use crate::table::about::About;
 use crate::table::array_cells::{self, Kind};
-use crate::table::arrays::{along_longer, of_one_length};
-use crate::table::matlab_hdf5;
+use crate::table::arrays::along_longer;
+use crate::table::hdf5_attributes::Attributes;
+use crate::table::records::{Arrays, columns_of};
+use crate::table::{hdf5_links, limit, matlab_hdf5};
 use model::Error;
 
 /// The first bytes of a file, which may be behind a block of its user.
@@ -27,8 +32,8 @@ const PLACES: [u64; 6] = [0, 512, 1024, 2048, 4096, 8192];
 /// Deepest group.
 const DEEPEST: usize = 64;
 
-/// Returns names and columns.
-pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
+/// Returns names and columns, of one record or of several.
+pub(super) fn read(path: &Path, about: &mut About) -> Result<Arrays, Error> {
     let wrong = |problem: String| Error::content(path, "content", format!("not readable as HDF5: {problem}"));
     if !is_marked(path).map_err(Error::io(path))? {
         return Err(wrong("it does not start as such a file; write it again, e.g. as Parquet".into()));
@@ -41,9 +46,14 @@ pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<V
         found.group(&file.root(), "", 0);
         Ok(found)
     });
-    let Found { columns, omitted } = datasets.unwrap_or_else(|| Err(wrong(DAMAGED.into())))?;
-    about.omitted.extend(omitted.omitted);
-    of_one_length(path, columns, about)
+    let Found { columns, told } = datasets.unwrap_or_else(|| Err(wrong(DAMAGED.into())))?;
+    about.omitted.extend(told.omitted);
+    about.notes.extend(told.notes);
+    if size <= hdf5_links::LARGEST {
+        let links = hdf5_links::links(&limit::whole(path)?);
+        links.into_iter().for_each(|(place, reason)| about.omit(place, reason));
+    }
+    columns_of(path, columns, about)
 }
 
 fn is_marked(path: &Path) -> std::io::Result<bool> {
@@ -62,7 +72,7 @@ fn is_marked(path: &Path) -> std::io::Result<bool> {
 #[derive(Default)]
 struct Found {
     columns: Vec<(String, Vec<f64>)>,
-    omitted: About,
+    told: About,
 }
 
 impl Found {
@@ -72,7 +82,7 @@ impl Found {
         match group.datasets() {
             Ok(names) => {
                 for name in names {
-                    let dataset = group.dataset(&name).map_err(|error| error.to_string());
+                    let dataset = group.dataset(&name).map_err(unread);
                     let added = dataset.and_then(|dataset| self.dataset(&inner(&name), &dataset));
                     if let Err(reason) = added {
                         self.omit(&inner(&name), reason);
@@ -81,7 +91,7 @@ impl Found {
             }
             // One link whose place is not known, for example.
             Err(error) => self
-                .omitted
+                .told
                 .omit(format!("group /{path}"), format!("{error}; write its datasets without links, or as Parquet")),
         }
         for name in group.groups().unwrap_or_default() {
@@ -98,7 +108,7 @@ impl Found {
     /// # Errors
     /// Why it has none.
     fn dataset(&mut self, name: &str, dataset: &Dataset) -> Result<(), String> {
-        let shape = dataset.shape().map_err(|error| error.to_string())?;
+        let shape = dataset.shape().map_err(unread)?;
         let long: Vec<usize> = shape.iter().filter(|side| **side != 1).map(|side| *side as usize).collect();
         if long.contains(&0) {
             return Err("it is empty".into());
@@ -106,19 +116,26 @@ impl Found {
         if long.len() > 2 {
             return Err("more than two dimensions: save it as a matrix".into());
         }
-        let kind = dataset.dtype().map_err(|error| error.to_string())?;
+        let kind = dataset.dtype().map_err(unread)?;
         match kind {
             DType::String | DType::VariableLengthString => return Err("text".into()),
             DType::ObjectReference => return Err("references: save the arrays themselves".into()),
             _ => {}
         }
         let count = long.iter().fold(1, |count: usize, side| count.saturating_mul(*side));
+        let attributes = Attributes::of(dataset)?;
         for (part, values) in parts(dataset, &kind)? {
             match values {
                 Ok(values) if values.len() != count => {
                     self.omit(&format!("{name}{part}"), format!("it has {} of {count} values", values.len()));
                 }
-                Ok(values) => self.columns.extend(sides(&format!("{name}{part}"), &long, values)),
+                Ok(mut values) => {
+                    let name = format!("{name}{part}");
+                    let missing = attributes.apply(&mut values);
+                    self.told.notes.extend(attributes.told(&name, missing));
+                    let columns = sides(&name, &long, values).into_iter();
+                    self.columns.extend(columns.map(|(name, column)| (attributes.named(&name), column)));
+                }
                 Err(reason) => self.omit(&format!("{name}{part}"), reason),
             }
         }
@@ -126,8 +143,14 @@ impl Found {
     }
 
     fn omit(&mut self, path: &str, reason: String) {
-        self.omitted.omit(format!("dataset {path}"), reason);
+        self.told.omit(format!("dataset {path}"), reason);
     }
+}
+
+/// Why a dataset is not read, and what to do.
+#[expect(clippy::needless_pass_by_value, reason = "for map_err")]
+fn unread(error: hdf5_pure::Error) -> String {
+    format!("{error}; write it again in the format of HDF5 1.10 and without other filters than deflate, or as Parquet")
 }
 
 /// What the name of a dataset gets, and the numbers, or why there are none.
@@ -141,12 +164,12 @@ fn is_whole(kind: &DType) -> bool {
 fn parts(dataset: &Dataset, kind: &DType) -> Result<Vec<Part>, String> {
     // The reader takes no half-precision numbers, flags and compounds.
     if matches!(kind, DType::F32 | DType::F64) || is_whole(kind) {
-        let values = dataset.read_f64().map_err(|error| error.to_string())?;
+        let values = dataset.read_f64().map_err(unread)?;
         return Ok(vec![(String::new(), Ok(values))]);
     }
-    let whole = dataset.datatype().map_err(|error| error.to_string())?;
-    let bytes = dataset.read_raw().map_err(|error| error.to_string())?;
-    let size = dataset.element_size().map_err(|error| error.to_string())? as usize;
+    let whole = dataset.datatype().map_err(unread)?;
+    let bytes = dataset.read_raw().map_err(unread)?;
+    let size = dataset.element_size().map_err(unread)? as usize;
     let part = |kind: &Datatype, at: u64| -> Option<Vec<f64>> {
         let (kind, own, is_big) = number(kind)?;
         let at = usize::try_from(at).ok()?;
@@ -197,7 +220,7 @@ fn sides(name: &str, long: &[usize], values: Vec<f64>) -> Vec<(String, Vec<f64>)
 
 #[cfg(test)]
 mod tests {
-    use hdf5_pure::FileBuilder;
+    use hdf5_pure::{AttrValue, FileBuilder};
 
     use super::*;
 
@@ -208,7 +231,7 @@ mod tests {
         let file = tempfile::Builder::new().suffix(".h5").tempfile().expect("a file");
         std::fs::write(file.path(), builder.finish().expect("written")).expect("writable");
         let mut about = About::default();
-        let (names, columns) = read(file.path(), &mut about).map_err(|error| error.to_string())?;
+        let Arrays { names, columns, .. } = read(file.path(), &mut about).map_err(|error| error.to_string())?;
         Ok((names, columns, about))
     }
 
@@ -236,6 +259,68 @@ mod tests {
         assert_eq!((column("run/speed"), column("rate")), (vec![7.0, 8.0, 9.0], vec![16_000.0; 3]));
         let left: Vec<&str> = about.omitted.iter().map(|own| own.place.as_str()).collect();
         assert_eq!(left, ["dataset cube", "dataset note", "array short"]);
+    }
+
+    #[test]
+    fn attributes_scale_values_and_name_units() {
+        let mut builder = FileBuilder::new();
+        let number = |value: f64| AttrValue::F64(value);
+        let text = |text: &str| AttrValue::String(text.into());
+        let time = builder.create_dataset("time").with_i32_data(&[0, 10, 20]);
+        time.set_attr("units", text("milliseconds since 2026-01-01"));
+        let current = builder.create_dataset("i").with_i16_data(&[100, -32768, 300]);
+        current.set_attr("scale_factor", number(0.01)).set_attr("add_offset", number(-1.0));
+        current.set_attr("_FillValue", AttrValue::I16(-32768)).set_attr("units", text("A"));
+        let speed = builder.create_dataset("w").with_f32_data(&[1.5, 1e20, -1.0]);
+        speed.set_attr("missing_value", AttrValue::F32Array(vec![1e20, -1.0])).set_attr("units", text("rad s-1"));
+        let odd = builder.create_dataset("odd").with_f64_data(&[1.0, 2.0, 3.0]);
+        odd.set_attr("scale_factor", AttrValue::F64Array(vec![1.0, 2.0]));
+        let (names, columns, about) = read_file(builder).expect("readable");
+        let column = |name: &str| columns[names.iter().position(|own| own == name).expect(name)].clone();
+        assert_eq!((names.len(), column("time [ms]")), (3, vec![0.0, 10.0, 20.0]));
+        let current = column("i [A]");
+        assert!((current[0], current[2]) == (0.0, 2.0) && current[1].is_nan(), "{current:?}");
+        let speed = column("w [rad/s]");
+        assert!(speed[0] == 1.5 && speed[1].is_nan() && speed[2].is_nan(), "{speed:?}");
+        let told = about.notes.join("; ");
+        assert!(told.contains("column i: with scale_factor 0.01, add_offset -1, 1 values"), "{told}");
+        assert!(about.omitted[0].reason.contains("scale_factor is not a number"), "{about:?}");
+    }
+
+    /// The index of chunks is believed by the reader, which would take as much memory.
+    #[test]
+    fn chunks_that_are_larger_than_the_file_are_refused() {
+        let values: Vec<f64> = (0..4000).map(f64::from).collect();
+        for is_packed in [false, true] {
+            let mut builder = FileBuilder::new();
+            let dataset = builder.create_dataset("x").with_f64_data(&values).with_chunks(&[1000]);
+            if is_packed {
+                dataset.with_deflate(6);
+            }
+            let good = builder.finish().expect("written");
+            let file = tempfile::Builder::new().suffix(".h5").tempfile().expect("a file");
+            std::fs::write(file.path(), &good).expect("writable");
+            let open = hdf5_pure::File::open(file.path()).expect("readable");
+            let chunks = open.dataset("x").and_then(|own| own.chunks()).expect("chunks");
+            let mut refused = 0;
+            for chunk in chunks {
+                // Wherever the index has the place of a chunk, its size follows or comes before.
+                let (at, size) = (chunk.address.to_le_bytes(), chunk.storage_size);
+                for place in memchr::memmem::find_iter(&good, &at) {
+                    for own in place.saturating_sub(16)..place + 16 {
+                        let is_size = good.get(own..own + 4) == Some(&(size as u32).to_le_bytes());
+                        if !is_size {
+                            continue;
+                        }
+                        let mut bytes = good.clone();
+                        bytes[own..own + 4].copy_from_slice(&0x7000_0000_u32.to_le_bytes());
+                        std::fs::write(file.path(), bytes).expect("writable");
+                        refused += usize::from(read(file.path(), &mut About::default()).is_err());
+                    }
+                }
+            }
+            assert!(!is_packed || refused > 0, "{refused}");
+        }
     }
 
     #[test]

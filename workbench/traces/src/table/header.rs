@@ -4,8 +4,9 @@ use super::about::About;
 use super::cells::{Kind, Line, are_places, bare, clean, kind, split, with_unit};
 use super::keyed;
 use super::preamble::{self, Mark};
+use super::rates::Rates;
 use super::rows::Rows;
-use super::twins;
+use super::twins::{self, Keyed};
 use crate::units::Unit;
 
 /// The header.
@@ -17,6 +18,8 @@ pub(super) struct Head {
     pub(super) before: usize,
     /// Start and step of the time that its units tell.
     pub(super) step_s: Option<f64>,
+    /// The times of the columns, if they have several rates.
+    pub(super) rates: Option<Rates>,
     /// Names of columns that no row has.
     further: Vec<String>,
 }
@@ -32,11 +35,11 @@ impl Head {
         let of_place = |place: Option<usize>, counts: bool| {
             place.and_then(|place| Some((place, fitting(cells(place)?, [used, rows.cells], counts)?)))
         };
-        if let Some((before, names)) = twins::paired(&content[..rows.first], rows.separator, used) {
-            return Self { cells: names.clone(), names, before, step_s: None, further: vec![] };
+        if let Some(Keyed { before, names, rates }) = twins::keyed(content, rows.first, rows.separator, used) {
+            return Self { cells: names.clone(), names, before, step_s: None, rates, further: vec![] };
         }
         if let Some((before, names)) = keyed::names(content, (rows.separator, rows.cells, rows.first), used) {
-            return Self { cells: names.clone(), names, before, step_s: None, further: vec![] };
+            return Self { cells: names.clone(), names, before, step_s: None, rates: None, further: vec![] };
         }
         let mut last = rows.first.checked_sub(1);
         let counts = counts(content, rows);
@@ -77,19 +80,32 @@ impl Head {
         let kept = if step_s.is_some() { used } else { rows.cells };
         let names = all.iter().take(kept).enumerate().map(named).collect();
         let further = if step_s.is_some() { vec![] } else { all[kept.min(all.len())..].to_vec() };
-        Self { names, cells: all, before, step_s, further }
+        Self { names, cells: all, before, step_s, rates: None, further }
     }
 
-    /// The header in the last comment before the rows, or none.
+    /// The header in the last comment before the rows, or in the one before it if the last has units; or none.
     fn of_comment(comments: &[Line<'_>], before: usize, (rows, used): (&Rows, usize)) -> Self {
         let text = |line: &Line<'_>| line.text.trim_start_matches(['#', '%', ';']).trim().to_string();
-        let last = comments.iter().filter(|line| line.before < before).map(text).rfind(|line| !line.is_empty());
-        let names = last.map(|line| split(&line, rows.separator).into_iter().map(clean).collect::<Vec<_>>());
-        match names.filter(|names| names.len() == used) {
-            Some(names) => Self { cells: names.clone(), names, before: 0, step_s: None, further: vec![] },
+        let texts = comments.iter().filter(|line| line.before < before).map(text).filter(|line| !line.is_empty());
+        let texts: Vec<String> = texts.collect();
+        let cells = |back: usize| {
+            let text = texts.get(texts.len().checked_sub(back)?)?;
+            Some(split(text, rows.separator)).filter(|cells| cells.len() == used)
+        };
+        let is_bracketed = |cell: &&str| cell.starts_with(['[', '(']) && cell.ends_with([']', ')']);
+        let units = cells(1).filter(|cells| cells.iter().all(is_bracketed) || is_units(cells, used));
+        let names = match &units {
+            Some(units) => cells(2).map(|names| {
+                let named = |(name, unit): (&str, &&str)| with_unit(&clean(name), bare(unit));
+                names.into_iter().zip(units).map(named).collect::<Vec<_>>()
+            }),
+            None => cells(1).map(|names| names.into_iter().map(clean).collect()),
+        };
+        match names {
+            Some(names) => Self { cells: names.clone(), names, before: 0, step_s: None, rates: None, further: vec![] },
             None => {
                 let names = (1..=used).map(|k| format!("c{k}")).collect();
-                Self { names, cells: vec![], before: rows.first, step_s: None, further: vec![] }
+                Self { names, cells: vec![], before: rows.first, step_s: None, rates: None, further: vec![] }
             }
         }
     }

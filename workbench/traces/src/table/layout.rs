@@ -13,13 +13,14 @@
 
 use super::about::About;
 use super::cells::{
-    Line, clean, grouped, is_decimal_comma, is_decimal_point, lines, plain_number, plainly_grouped, split,
-    start_of_line, truth,
+    Line, clean, grouped, is_decimal_comma, is_decimal_point, lines, plain_number, plainly_grouped, row_ends, split,
+    start_of_line, truth, without_end,
 };
 use super::clock::Clock;
 use super::fraction;
 use super::header::Head;
 use super::preamble::{self, Lasts, Mark, Told};
+use super::rates::Rates;
 use super::rows::Rows;
 use super::time_name::{self, Guess};
 use super::twins;
@@ -47,6 +48,10 @@ pub(super) struct Layout {
     thousands: bool,
     /// The first character of lines that are skipped.
     pub(super) comment: Option<u8>,
+    /// Whether a semicolon ends each row, and separates nothing.
+    pub(super) row_ends: bool,
+    /// The times of the columns, if they have several rates; a row of slower ones may end early.
+    pub(super) rates: Option<Rates>,
     /// Names of the columns, and the cells of the line they are from.
     pub(super) names: Vec<String>,
     pub(super) header: Vec<String>,
@@ -81,7 +86,11 @@ impl Layout {
         }
         let usual = [b';', b'\t', b'|', b',', b' '];
         let given = form.separator.map(|own| [own.byte()]);
-        let separators = given.as_ref().map_or(&usual[..], |own| own);
+        let row_ends = given.is_none_or(|[own]| own != b';') && row_ends(&content);
+        if row_ends {
+            content.iter_mut().chain(&mut comments).for_each(|line| line.text = without_end(line.text));
+        }
+        let separators = given.as_ref().map_or(&usual[usize::from(row_ends)..], |own| own);
         let found = separators.iter().filter_map(|separator| Rows::of(&content, *separator, form));
         // The first of equals: with decimal commas, a comma may separate as many columns.
         let best = found.reduce(|best, other| {
@@ -90,7 +99,7 @@ impl Layout {
             if other.columns() > best.columns() && !stands { other } else { best }
         });
         match best {
-            Some(rows) => Self::with(&rows, (&content, &comments), (comment, form)),
+            Some(rows) => Self { row_ends, ..Self::with(&rows, (&content, &comments), (comment, form)) },
             None => Self::without_rows(&content, (comment, separators)),
         }
     }
@@ -141,6 +150,7 @@ impl Layout {
         let used = (0..cells).rev().find(|k| !is_empty(k)).map_or(cells, |last| last + 1);
         let head = Head::of((content, comments), rows, (used, mark));
         head.doubts(content, first, &mut about);
+        about.notes.extend(head.rates.as_ref().map(|rates| rates.told(&head.names)));
         let (told, lasts) = match head.step_s {
             Some(step) => (Told::of_header(step), None),
             None => preamble::told(&content[..first], comments, mark),
@@ -156,6 +166,8 @@ impl Layout {
             decimal_comma: mark == Mark::Comma,
             thousands: form.decimal.is_some(),
             comment,
+            row_ends: false,
+            rates: head.rates,
             names,
             header: head.cells,
             first: content[first].before,
@@ -173,6 +185,7 @@ impl Layout {
         let time = (0..self.names.len()).find(|k| is_time(*k)).or_else(|| self.about.clocks.first().copied());
         let Some(time) = time else {
             (self.about.step_s, self.lasts) = (told.step_s(&mut self.about.notes), lasts);
+            self.doubt_counter(rows);
             return self;
         };
         self.find_twins(rows, time, before);
@@ -190,6 +203,22 @@ impl Layout {
         match self.clocks.iter().find(|(clock, _)| *clock == place) {
             Some((_, clock)) => clock.seconds(cell, self.decimal_comma),
             None => Some(self.number(cell)? * unit_s()),
+        }
+    }
+
+    /// Says which column may be a time in steps of an unknown unit.
+    fn doubt_counter(&mut self, rows: &[Vec<&str>]) {
+        let place = self.names.iter().position(|name| time_name::may_count(name));
+        let Some(place) = place.filter(|_| self.about.step_s.is_none() && !self.header.is_empty()) else { return };
+        let values: Vec<f64> =
+            rows.iter().filter_map(|row| self.number(row[place])).filter(|value| value.is_finite()).collect();
+        let counts = values.iter().all(|value| value.fract() == 0.0) && values.len() >= SETTLED;
+        if counts && time_name::rises(&values) {
+            let name = &self.names[place];
+            self.about.notes.push(format!(
+                "column {name} counts up and may be the time, but the unit of its steps is not known: write the seconds \
+                 with convert --time none --columns \"t_s={name}/RATE,…\", or give --time \"{name}\" if it counts seconds"
+            ));
         }
     }
 

@@ -8,6 +8,7 @@
 //! s.Y(k)          channels with Name, Data  column of the channel's name; those of s.X are times
 //! r               a number                  a constant column
 //! z               complex numbers           columns z_re, z_im
+//! data(k).a       a structure array         traces, if these are records ([`super::records`])
 //! ```
 //!
 //! The longest arrays are the columns; arrays of other lengths, text and objects are left out, and named.
@@ -16,13 +17,16 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use hdf5_pure::mat::MatError;
 use matrw::{MatFile, MatVariable};
 
 use crate::damaged::guarded;
 use crate::table::about::About;
-use crate::table::arrays::{along_longer, of_one_length, only_variable};
+use crate::table::arrays::{along_longer, only_variable};
+use crate::table::groups::Named;
 use crate::table::matlab_value::{OBJECT, Value};
-use crate::table::{limit, matlab_4, matlab_arrays, matlab_elements, matlab_hdf5, time_name};
+use crate::table::records::{Arrays, columns_of};
+use crate::table::{hdf5_links, limit, matlab_4, matlab_arrays, matlab_elements, matlab_hdf5, time_name};
 use model::Error;
 
 /// What a file of format 7.3 has behind its text header.
@@ -30,9 +34,6 @@ const HDF5_AT: usize = 512;
 const HDF5: &[u8] = b"\x89HDF";
 /// Elements of a list of single numbers or texts that become constant columns, at most.
 const FEW: usize = 64;
-
-/// Columns and their names.
-type Named = Vec<(String, Vec<f64>)>;
 
 /// The formats of these files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,8 +56,8 @@ impl Format {
     }
 }
 
-/// Returns names and columns.
-pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
+/// Returns names and columns, of one record or of several.
+pub(super) fn read(path: &Path, about: &mut About) -> Result<Arrays, Error> {
     let unreadable = || {
         let problem = "not readable as a MATLAB file of format 4 to 7.3; save it again, e.g. with -v7";
         Error::content(path, "content", problem)
@@ -68,14 +69,26 @@ pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<V
     let format = Format::of(&head).ok_or_else(unreadable)?;
     let bytes = limit::whole(path)?;
     let value = guarded(|| match format {
-        Format::Hdf5 => of_hdf5(&bytes),
+        Format::Hdf5 => of_hdf5(&bytes, about),
         Format::Elements => variables(&bytes),
         Format::Four => Ok(matlab_4::variables(&bytes)),
     });
     let value = value.unwrap_or(Ok(None)).map_err(|problem| Error::content(path, "content", problem))?;
     let Some(Value::Fields(variables)) = value else { return Err(unreadable()) };
+    columns_of_variables(path, &variables, about)
+}
+
+/// The columns of variables, of one record or of several.
+///
+/// # Errors
+/// No arrays of numbers, or more than the limit.
+pub(super) fn columns_of_variables(
+    path: &Path,
+    variables: &[(String, Value)],
+    about: &mut About,
+) -> Result<Arrays, Error> {
     let mut found = Found { columns: Vec::new(), axes: Vec::new(), about };
-    for (name, value) in &variables {
+    for (name, value) in variables {
         found.add(name, value);
     }
     let Found { mut columns, mut axes, about } = found;
@@ -87,16 +100,23 @@ pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<V
     if let Some(alone) = only_variable(&columns) {
         columns.iter_mut().map(|(name, _)| name).chain(&mut axes).for_each(|name| *name = name[alone..].to_string());
     }
-    let (names, columns) = of_one_length(path, columns, about)?;
-    let is_axis = |place: &usize| axes.contains(&names[*place]) && time_name::rises(&columns[*place]);
-    about.clocks.extend((0..names.len()).find(is_axis));
-    Ok((names, columns))
+    let own = columns_of(path, columns, about)?;
+    let is_axis = |place: &usize| axes.contains(&own.names[*place]) && time_name::rises(&own.columns[*place]);
+    about.clocks.extend((0..own.names.len()).find(is_axis));
+    Ok(own)
 }
 
 /// Reads the variables of format 7.3.
-fn of_hdf5(bytes: &[u8]) -> Result<Option<Value>, String> {
+fn of_hdf5(bytes: &[u8], about: &mut About) -> Result<Option<Value>, String> {
     matlab_hdf5::check(bytes)?;
-    Ok(hdf5_pure::mat::from_bytes(bytes).ok())
+    let links = hdf5_links::links(bytes);
+    let first = links.first().map(|(place, reason)| format!("{place} is {reason}; replace it by the array"));
+    links.into_iter().for_each(|(place, reason)| about.omit(place, reason));
+    let unreadable = |error: MatError| {
+        let cause = first.unwrap_or_else(|| error.to_string());
+        format!("not readable as a MATLAB file of format 7.3: {cause}, or save it with -v7")
+    };
+    hdf5_pure::mat::from_bytes(bytes).map(Some).map_err(unreadable)
 }
 
 /// Reads the variables of format 5 to 7.
@@ -234,7 +254,9 @@ mod tests {
     fn read_bytes(bytes: &[u8]) -> Result<(Vec<String>, Vec<Vec<f64>>), String> {
         let file = tempfile::Builder::new().suffix(".mat").tempfile().expect("a file");
         std::fs::write(file.path(), bytes).expect("writable");
-        read(file.path(), &mut About::default()).map_err(|error| error.to_string())
+        let Arrays { names, columns, .. } =
+            read(file.path(), &mut About::default()).map_err(|error| error.to_string())?;
+        Ok((names, columns))
     }
 
     #[test]

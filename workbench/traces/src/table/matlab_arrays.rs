@@ -195,8 +195,8 @@ mod tests {
         let path = tempfile::Builder::new().suffix(".mat").tempfile().expect("a file").into_temp_path();
         std::fs::write(&path, bytes).expect("writable");
         let mut about = About::default();
-        let (names, columns) = read(&path, &mut about).map_err(|error| error.to_string())?;
-        Ok((names, columns, about))
+        let own = read(&path, &mut about).map_err(|error| error.to_string())?;
+        Ok((own.names, own.columns, about))
     }
 
     /// An element, in the short form where it fits, as scipy writes it.
@@ -277,6 +277,25 @@ mod tests {
         assert!(refused.contains("array log: nothing but a table object: save it with table2struct"), "{refused}");
         let refused = file(&arrays[6..7], false).expect_err("text");
         assert!(refused.contains("no arrays of numbers; left out: array note: text"), "{refused}");
+    }
+
+    #[test]
+    fn structures_of_an_array_are_traces() {
+        let names: Vec<u8> = ["t", "i"].iter().flat_map(|name| [name.as_bytes(), &[0]].concat()).collect();
+        let head = [element(5, &2_u32.to_le_bytes()), element(1, &names)].concat();
+        let of_length = |count: usize| {
+            let values: Vec<f64> = (0..count).map(|k| k as f64 / 2.0).collect();
+            [row("", &values), row("", &values)].concat()
+        };
+        for lengths in [vec![3, 2], vec![3, 3, 3], vec![2, 5, 4]] {
+            let inside: Vec<u8> = lengths.iter().flat_map(|count| of_length(*count)).collect();
+            let sides = [1, lengths.len() as u32];
+            let data = array(STRUCTURE, 0, &sides, "data", &[head.clone(), inside].concat());
+            let (names, columns, about) = file(&[data, row("fs", &[2.0])], true).expect("records");
+            assert_eq!(names, ["trace", "t", "i", "fs"]);
+            assert_eq!((columns[2].len(), columns[3][0]), (lengths.iter().sum(), 2.0));
+            assert!(about.notes[0].contains(&format!("{} records", lengths.len())), "{:?}", about.notes);
+        }
     }
 
     #[test]

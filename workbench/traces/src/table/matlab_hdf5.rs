@@ -24,13 +24,15 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
 /// # Errors
 /// More than the limit, in words.
 pub(super) fn check_open(file: &File, size: u64) -> Result<(), String> {
-    let mut claims = Claims { limit: Limit::of(size), refused: None };
+    let mut claims = Claims { limit: Limit::of(size), size, refused: None };
     let _unreadable = claims.group(&file.root(), 0);
     claims.refused.map_or(Ok(()), Err)
 }
 
 struct Claims {
     limit: Limit,
+    /// Bytes of the file.
+    size: u64,
     refused: Option<String>,
 }
 
@@ -78,6 +80,18 @@ impl Claims {
         if self.refused.is_some() { Err(Ended) } else { Ok(()) }
     }
 
+    /// Each chunk is a part of the file; a reader takes memory for what the index says of its size.
+    fn chunks(&mut self, dataset: &Dataset) -> Result<(), Ended> {
+        // Chunks of an index that is not followed are read by nobody.
+        let sizes = dataset.chunks().unwrap_or_default().into_iter().map(|chunk| chunk.storage_size);
+        if sizes.fold(0, u64::saturating_add) <= self.size {
+            return Ok(());
+        }
+        let problem = "the chunks of an array claim more bytes than the file has: it is damaged; write it again";
+        self.refused.get_or_insert_with(|| problem.into());
+        Err(Ended)
+    }
+
     fn dataset(&mut self, dataset: &Dataset, depth: usize) -> Result<(), Ended> {
         let size = dataset.element_size()?;
         let kind = dataset.dtype()?;
@@ -86,6 +100,7 @@ impl Claims {
         self.add(dataset.shape()?, element)?;
         // One chunk is unpacked whole, however small the array is.
         self.add(dataset.chunk_shape()?.unwrap_or_default(), size)?;
+        self.chunks(dataset)?;
         if matches!(kind, DType::VariableLengthString) {
             // Many elements may be one long text.
             self.add([], dataset.vlen_string_payload_size()?)?;

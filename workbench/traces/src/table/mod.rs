@@ -1,8 +1,8 @@
 //! Files of named columns: text, MATLAB, Parquet, Arrow and NumPy, plain or compressed.
 //!
 //! ```text
-//! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst, and .lvm of LabVIEW
-//! .mat                 MATLAB 4 to 7.3 ([`matlab`])
+//! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst, and .lvm of LabVIEW; Octave's text ([`octave`])
+//! .mat                 MATLAB 4 to 7.3 ([`matlab`]), or Octave's text
 //! .parquet             Parquet, .arrow .arrows .feather: Arrow's files and streams ([`arrow`])
 //! .h5 .hdf5            HDF5 ([`hdf5`])
 //! .npy .npz            arrays of NumPy ([`numpy`])
@@ -32,13 +32,22 @@ mod digits;
 #[cfg(feature = "parquet")]
 mod doubles;
 mod encoding;
+mod ending;
 mod formats;
 pub(crate) mod fraction;
 pub mod from_first;
+#[cfg(any(feature = "matlab", feature = "numpy"))]
+mod groups;
 #[cfg(feature = "matlab")]
 mod hdf5;
+#[cfg(feature = "matlab")]
+mod hdf5_attributes;
+#[cfg(feature = "matlab")]
+mod hdf5_links;
 mod header;
 mod keyed;
+#[cfg(test)]
+mod laboratory;
 mod layout;
 mod limit;
 mod lines;
@@ -61,10 +70,15 @@ mod memory;
 mod numpy;
 #[cfg(feature = "numpy")]
 mod numpy_values;
+#[cfg(feature = "matlab")]
+mod octave;
 #[cfg(feature = "parquet")]
 pub mod parquet_pages;
 mod plain;
 mod preamble;
+mod rates;
+#[cfg(any(feature = "matlab", feature = "numpy"))]
+mod records;
 mod rows;
 mod source;
 mod text;
@@ -108,7 +122,7 @@ pub struct Table {
 enum Content {
     Text(Box<text::Text>),
     #[cfg(any(feature = "matlab", feature = "numpy"))]
-    Columns(Vec<Vec<f64>>),
+    Arrays(records::Arrays),
     #[cfg(feature = "parquet")]
     Arrow(arrow::Kind),
     Memory(Arc<Recorded>),
@@ -137,20 +151,14 @@ impl Table {
         let mut about = About::default();
         let (names, content) = match extension.as_str() {
             #[cfg(feature = "matlab")]
-            "mat" => {
-                let (names, columns) = matlab::read(path, &mut about)?;
-                (names, Content::Columns(columns))
-            }
+            "mat" => Self::of_arrays(match octave::read(path, &mut about)? {
+                Some(own) => own,
+                None => matlab::read(path, &mut about)?,
+            }),
             #[cfg(feature = "matlab")]
-            "h5" | "hdf5" => {
-                let (names, columns) = hdf5::read(path, &mut about)?;
-                (names, Content::Columns(columns))
-            }
+            "h5" | "hdf5" => Self::of_arrays(hdf5::read(path, &mut about)?),
             #[cfg(feature = "numpy")]
-            "npy" | "npz" => {
-                let (names, columns) = numpy::read(path, &mut about)?;
-                (names, Content::Columns(columns))
-            }
+            "npy" | "npz" => Self::of_arrays(numpy::read(path, &mut about)?.into()),
             #[cfg(feature = "parquet")]
             "parquet" | "arrow" | "arrows" | "feather" => {
                 let kind = if extension == "parquet" { arrow::Kind::Parquet } else { arrow::Kind::Ipc };
@@ -158,17 +166,24 @@ impl Table {
             }
             foreign if let Some(problem) = unread(foreign) => return Err(Error::content(path, "content", problem)),
             binary if is_binary(binary) => return Err(left_out(path, binary)),
+            #[cfg(feature = "matlab")]
+            _ if let Some(own) = octave::read(path, &mut about)? => Self::of_arrays(own),
             _ => {
                 let text = text::Text::open(path, form, &mut about)?;
                 (text.names(), Content::Text(Box::new(text)))
             }
         };
         #[cfg(any(feature = "matlab", feature = "numpy"))]
-        if let Content::Columns(columns) = &content {
-            arrays::rising_time(&names, columns, &mut about);
+        if let Content::Arrays(own) = &content {
+            arrays::rising_time(&names, &own.columns, &mut about);
         }
         let names = names.iter().map(|name| composed(name).into_owned()).collect();
         Ok(Self { path: path.to_path_buf(), names, content, about, id: None })
+    }
+
+    #[cfg(any(feature = "matlab", feature = "numpy"))]
+    fn of_arrays(own: records::Arrays) -> (Vec<String>, Content) {
+        (own.names.clone(), Content::Arrays(own))
     }
 
     /// A table in memory; messages name it as a file.
@@ -188,6 +203,11 @@ impl Table {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Whether it is a table in memory, which may be a piece of a trace.
+    pub(crate) const fn is_in_memory(&self) -> bool {
+        matches!(self.content, Content::Memory(_))
     }
 
     /// With this id of its only trace.
@@ -226,19 +246,17 @@ impl Table {
         let mut columns = match &self.content {
             Content::Text(text) => text.read((&self.path, &self.names), wanted)?,
             #[cfg(any(feature = "matlab", feature = "numpy"))]
-            Content::Columns(columns) => Columns {
-                numbers: wanted.numbers.iter().map(|place| columns[*place].clone()).collect(),
-                ..Columns::default()
-            },
+            Content::Arrays(own) => own.read(wanted),
             #[cfg(feature = "parquet")]
             Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, &self.about.clocks, wanted)?,
             Content::Memory(recorded) => memory::read(recorded, &self.about.clocks, wanted)?,
         };
         // As a list first: the first column with such a value is told, whichever thread is first.
         let checks: Vec<Result<(), Unusable>> = columns.numbers.par_iter_mut().map(|own| settle(own)).collect();
-        // A table in memory may be a piece of a trace, in which a sensor gives nothing.
-        let is_piece = matches!(self.content, Content::Memory(_));
-        let refused = |check: &Result<(), Unusable>| check.err().filter(|own| !(is_piece && *own == Unusable::Empty));
+        // In a piece of a trace a sensor may give nothing.
+        let may_be_empty = self.is_in_memory();
+        let refused =
+            |check: &Result<(), Unusable>| check.err().filter(|own| !(may_be_empty && *own == Unusable::Empty));
         match checks.iter().enumerate().find_map(|(k, check)| Some((k, refused(check)?))) {
             Some((k, problem)) => {
                 let row = |row: usize| columns.place(row);

@@ -23,8 +23,9 @@ pub(super) struct Form<'a> {
     pub(super) point: u8,
     /// Lines that start with it are left out.
     pub(super) comment: Option<u8>,
-    /// Number of cells of a row.
+    /// Number of cells of a row, and whether a row may have fewer.
     pub(super) cells: usize,
+    pub(super) ends_early: bool,
     /// Places of the numbers, each once, and whether a column has decimal numbers alone.
     pub(super) numbers: &'a [usize],
     pub(super) quick: &'a (dyn Fn(usize) -> bool + Sync),
@@ -162,10 +163,13 @@ impl<'a> Piece<'a> {
                 }
                 rows.texts.push(cell.to_string());
             }
-            if ends.len() != form.cells {
-                return Err(Failure::Cells(line, ends.len()));
-            }
             let (row, mut start) = (rows.lines.rows(), start);
+            if ends.len() != form.cells {
+                if ends.len() > form.cells || !form.ends_early {
+                    return Err(Failure::Cells(line, ends.len()));
+                }
+                slots[ends.len()..].iter().flatten().for_each(|(slot, _)| columns[*slot][row] = f64::NAN);
+            }
             for (place, (end, slot)) in ends.iter().zip(&slots).enumerate() {
                 let cell = start..*end;
                 start = end + 1;
@@ -212,6 +216,7 @@ mod tests {
                 point: b'.',
                 comment: None,
                 cells: 1,
+                ends_early: false,
                 numbers: &[0],
                 quick: &|_| true,
                 text: None,
@@ -252,6 +257,7 @@ mod tests {
             point: b'.',
             comment: Some(b'#'),
             cells: 3,
+            ends_early: false,
             numbers: &[1, 0],
             quick: &|_| true,
             text: None,

@@ -2,6 +2,7 @@
 
 use super::cells::{Kind, Line, are_places, grouped, kind, split};
 use super::keyed;
+use super::twins;
 use model::trace::{Decimal, TextForm};
 
 /// The rows by one separator.
@@ -24,9 +25,10 @@ impl Rows {
         // Of given places the first rows are not looked for.
         let before = if form.units_row { 2 } else { 0 };
         let content = content.get(before..)?;
-        let all: Vec<Vec<&str>> = content.iter().map(|line| split(line.text, separator)).collect();
+        let (all, of_rates) = Self::cells_of(content, separator);
         let count = |cells: usize| all.iter().filter(|row| row.len() == cells).count();
-        let cells = all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells))?;
+        let usual = || all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells));
+        let cells = of_rates.or_else(usual)?;
         let is_grouped = |cell: &str| form.decimal.is_some_and(|mark| grouped(cell, mark == Decimal::Comma).is_some());
         let kind = |cell: &str| if is_grouped(cell) { Kind::Number } else { kind(cell, true) };
         let kinds = |row: &Vec<&str>| row.iter().map(|cell| kind(cell)).collect::<Vec<_>>();
@@ -67,6 +69,16 @@ impl Rows {
         let is_header = first == 0 && cells > 2 && all.len() > first + 1 && are_places(&all[first]);
         let first = first + usize::from(is_header);
         (found.columns() > 0).then_some(Self { first, ..found })
+    }
+
+    /// The cells of each line, and their number if lines before the rows tell several times: such rows may end early.
+    fn cells_of<'a>(content: &[Line<'a>], separator: u8) -> (Vec<Vec<&'a str>>, Option<usize>) {
+        let mut all: Vec<Vec<&str>> = content.iter().map(|line| split(line.text, separator)).collect();
+        let of_rates = twins::cells(&all);
+        if let Some(cells) = of_rates {
+            all.iter_mut().filter(|row| row.len() < cells).for_each(|row| row.resize(cells, ""));
+        }
+        (all, of_rates)
     }
 
     /// Number of columns of numbers; a single column has no separator.

@@ -5,31 +5,31 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::table::about::About;
-use crate::table::cells::{Kind, is_complex, kind, split, start_of_line};
+use crate::table::cells::{is_complex, start_of_line, without_end};
 use crate::table::columns::{Columns, LARGEST, Wanted, is_missing, too_large};
 use crate::table::layout::Layout;
 use crate::table::lines::Lines;
 use crate::table::plain::{self, Failure, Form};
 use crate::table::source::Source;
 use crate::table::unpack::unpacked;
-use crate::table::{encoding, limit};
+use crate::table::{encoding, ending, limit};
 use model::Error;
 use model::trace::TextForm;
 
 /// Bytes of a file from which it is read in pieces, and of its start, which has the layout.
 const LARGE: u64 = 4 << 20;
 const HEAD: u64 = 64 << 10;
-/// Lines of words behind the rows from which they are no end.
-const TRAILING: usize = 5;
 
 /// A text file and its layout.
 #[derive(Debug)]
 pub(super) struct Text {
     content: Content,
     layout: Layout,
+    /// Whether it was said that channels go on behind others.
+    said: OnceLock<()>,
 }
 
 #[derive(Debug)]
@@ -58,7 +58,7 @@ impl Text {
                 "commas separate the cells and are decimal marks; export it with semicolons, or with decimal points";
             return Err(Error::content(path, format!("line {}", line + 1), problem));
         }
-        let mut own = Self { content, layout };
+        let mut own = Self { content, layout, said: OnceLock::new() };
         own.leave_out_end(path)?;
         own.check_length(path)?;
         let of_layout = std::mem::take(&mut own.layout.about);
@@ -72,8 +72,14 @@ impl Text {
         self.layout.names.clone()
     }
 
-    /// Leaves the last line out if the file ends inside it, and lines of words behind the rows, such as (1000 rows).
+    /// Leaves out what is no row at the end of a file.
     fn leave_out_end(&mut self, path: &Path) -> Result<(), Error> {
+        if let Content::Whole(text) = &mut self.content
+            && let Some(start) = ending::open_quote(text)
+        {
+            text.truncate(start);
+            self.layout.about.omit("the last row", "the file ends inside a quoted cell of it");
+        }
         let tail = match &self.content {
             Content::Whole(text) => Cow::Borrowed(&text.as_bytes()[text.len() - text.len().min(HEAD as usize)..]),
             Content::Large(_, bytes) => {
@@ -84,36 +90,8 @@ impl Text {
                 Cow::Owned(tail)
             }
         };
-        let columns = self.layout.names.len();
-        let (mut end, mut words) = (tail.len(), Vec::new());
-        while columns > 1 && words.len() < TRAILING {
-            // The feed before the last line; what is before it stays.
-            let body = &tail[..end];
-            let line_end = if body.ends_with(b"\n") { end - 1 } else { end };
-            let Some(feed) = tail[..line_end].iter().rposition(|byte| *byte == b'\n') else { break };
-            let last = String::from_utf8_lossy(&tail[feed + 1..line_end]).into_owned();
-            let cells = split(&last, self.layout.separator);
-            let is_cut = end == tail.len() && line_end == end && cells.len() < columns;
-            let is_words = cells.len() != columns && cells.iter().all(|cell| kind(cell, true) == Kind::Word);
-            match last.trim() {
-                "" => {}
-                own if is_words => words.push(own.to_string()),
-                _ if is_cut => {
-                    let why = format!("the file ends inside it: {} cells of {columns}", cells.len());
-                    self.layout.about.omit("the last line", why);
-                }
-                _ => break,
-            }
-            end = feed + 1;
-        }
-        // Too many are no end.
-        if words.len() == TRAILING {
-            return Ok(());
-        }
-        if let Some(first) = words.last() {
-            self.layout.about.omit("the end of the file", format!("words behind the rows, from \"{first}\" on"));
-        }
-        let cut = tail.len() - end;
+        let (cut, omitted) = ending::of(&tail, &self.layout);
+        omitted.into_iter().for_each(|(place, reason)| self.layout.about.omit(place, reason));
         match &mut self.content {
             Content::Whole(text) => text.truncate(text.len() - cut),
             Content::Large(_, bytes) => *bytes -= cut as u64,
@@ -141,7 +119,12 @@ impl Text {
         let mut builder = csv::ReaderBuilder::new();
         builder.flexible(true).has_headers(false).comment(self.layout.comment);
         builder.delimiter(if self.layout.separator == b' ' { b',' } else { self.layout.separator });
-        builder.from_reader(Blanks { rest: text.as_bytes(), squeeze: self.layout.separator == b' ', inside: false })
+        builder.from_reader(Blanks {
+            rest: text.as_bytes(),
+            squeeze: self.layout.separator == b' ',
+            row_ends: self.layout.row_ends,
+            inside: false,
+        })
     }
 
     pub(super) fn read(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Columns, Error> {
@@ -177,6 +160,28 @@ impl Text {
     }
 
     fn found(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Found, Error> {
+        let Some(rates) = &self.layout.rates else { return self.found_in_rows((path, names), wanted) };
+        let needed = rates.needed(wanted.numbers);
+        let (mut columns, mut problems) = self.found_in_rows((path, names), Wanted { numbers: &needed, ..wanted })?;
+        // A time that is not read is told, whichever column has it.
+        let times: Vec<usize> = problems.keys().copied().filter(|place| !wanted.numbers.contains(place)).collect();
+        if let (Some(time), Some(first)) = (times.first(), wanted.numbers.first()) {
+            problems.remove(time).and_then(|problem| problems.insert(*first, problem));
+        }
+        let read =
+            |place: usize| needed.binary_search(&place).map_or_else(|_| vec![], |at| columns.numbers[at].clone());
+        let (held, further) = rates.held(wanted.numbers, &read);
+        if further > 0.0 && self.said.set(()).is_ok() {
+            log::warn!(
+                "{}: slower channels go on for {further:.3} s behind the fastest ones: left out",
+                path.display()
+            );
+        }
+        columns.numbers = held;
+        Ok((columns, problems))
+    }
+
+    fn found_in_rows(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Found, Error> {
         let is_twice = wanted.numbers.iter().collect::<BTreeSet<_>>().len() < wanted.numbers.len();
         let spaced = self.layout.separator == b' ';
         let start = start_of_line(self.content.head(), self.layout.first);
@@ -208,18 +213,20 @@ impl Text {
         while reader.read_record(&mut record).map_err(|error| csv_error(path, &error))? {
             let line = record.position().map_or(0, csv::Position::line) + self.layout.first as u64;
             rows += 1;
-            if record.len() != names.len() {
+            let ends_early = self.layout.rates.is_some();
+            if record.len() != names.len() && !(ends_early && record.len() < names.len()) {
                 return Err(ragged(path, line, record.len(), names.len()));
             }
+            let cell = |place: usize| record.get(place).unwrap_or_default().trim();
             if let Some(place) = wanted.text {
-                let text = record[place].trim();
+                let text = cell(place);
                 if !(wanted.row)(text) {
                     continue;
                 }
                 columns.texts.get_or_insert_default().push(text.to_string());
             }
             for (column, place) in columns.numbers.iter_mut().zip(wanted.numbers) {
-                let number = self.number(*place, record[*place].trim());
+                let number = self.number(*place, cell(*place));
                 column.push(number.unwrap_or_else(|problem| {
                     problems.entry(*place).or_insert((line, problem));
                     f64::NAN
@@ -252,7 +259,9 @@ impl Text {
         };
         let quick = |place: usize| self.layout.clocks.iter().all(|(clock, _)| *clock != place);
         let (point, cells) = (if decimal_comma { b',' } else { b'.' }, names.len());
-        let form = Form { separator, point, comment, cells, numbers, quick: &quick, text, row, number: &number };
+        let ends_early = self.layout.rates.is_some();
+        let form =
+            Form { separator, point, comment, cells, ends_early, numbers, quick: &quick, text, row, number: &number };
         let rows = plain::rows(source, self.layout.first as u64, &form).map_err(|failure| match failure {
             Failure::File(error) => Error::io(path)(error),
             Failure::Cells(line, count) => ragged(path, line, count, names.len()),
@@ -267,6 +276,7 @@ impl Text {
 
     /// The number in a cell of a column.
     fn number(&self, place: usize, cell: &str) -> Result<f64, String> {
+        let cell = if self.layout.row_ends { without_end(cell) } else { cell };
         if let Some((_, clock)) = self.layout.clocks.iter().find(|(own, _)| *own == place) {
             return match clock.seconds(cell, self.layout.decimal_comma) {
                 Some(seconds) => Ok(seconds),
@@ -360,6 +370,8 @@ fn no_number(cell: &str) -> String {
 struct Blanks<'a> {
     rest: &'a [u8],
     squeeze: bool,
+    /// Whether semicolons end the rows.
+    row_ends: bool,
     /// Whether a cell of this line has begun.
     inside: bool,
 }
@@ -376,11 +388,13 @@ impl std::io::Read for Blanks<'_> {
                 b' ' | b'\t' => {
                     // Blanks at the ends of a line separate nothing.
                     let next = rest.first().copied().unwrap_or(b'\n');
-                    if !self.inside || matches!(next, b' ' | b'\t' | b'\r' | b'\n') {
+                    let is_end = self.row_ends && next == b';';
+                    if !self.inside || is_end || matches!(next, b' ' | b'\t' | b'\r' | b'\n') {
                         continue;
                     }
                     *cell = b',';
                 }
+                b';' if self.row_ends => continue,
                 other => {
                     self.inside = *other != b'\n';
                     *cell = *other;

@@ -60,6 +60,14 @@ pub(crate) fn usual(name: &str) -> Option<Option<f64>> {
     seconds(&format!("t_{}", rest.trim_matches(['_', '[', ']', '(', ')', ' ', '/']))).map(Some)
 }
 
+/// Whether this is the name of a counter that may be a time: timestep, ticks, cycle_count.
+pub(crate) fn may_count(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    ["timestep", "time step", "time_step", "tick", "cycle", "counter", "count", "clock", "sample"]
+        .iter()
+        .any(|word| lower.starts_with(word))
+}
+
 /// Whether values rise from row to row, and do not count the rows.
 pub(crate) fn rises(values: &[f64]) -> bool {
     let steps = || values.windows(2).map(|pair| pair[1] - pair[0]);
