@@ -60,11 +60,14 @@ impl Progress for Bars {
     }
 }
 
-/// Runs a work with progress bars, and prints its warnings.
+/// Runs a work with progress bars, and prints its warnings; of a work that fails its error says all.
 pub(super) fn logged<T>(work: impl FnOnce(&Log<'_>) -> Result<T, Error>) -> Result<T, Error> {
     let log = Log::new(&Bars);
     let result = work(&log);
-    log.take().iter().for_each(warn);
+    let warnings = log.take();
+    if result.is_ok() {
+        warnings.iter().for_each(warn);
+    }
     result
 }
 

@@ -65,7 +65,7 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
     assert!(
         source.contains("orders: 4,")
             && source.contains("struct Sample with angle")
-            && source.contains("orders outer 3.71794"),
+            && source.contains("orders outer 3.71795"),
         "{source}"
     );
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
@@ -240,7 +240,7 @@ fn a_gate_beside_trained_classes() {
     let replayed = succeed(dir, &format!("replay --model m.bwm {records}"));
     assert!(replayed.lines().any(|line| line == "ALARM at segment 2: spall"), "{replayed}");
     let conclusion = replayed.lines().last().expect("a conclusion");
-    assert!(conclusion.starts_with("ALARM: spall. It was raised in spall_14_001.csv at 0.0 s;"), "{conclusion}");
+    assert!(conclusion.starts_with("ALARM: spall. It was raised in spall_14_001.csv;"), "{conclusion}");
     let healthy = succeed(dir, "replay --model m.bwm test/healthy_14_000.csv");
     assert!(healthy.contains("\nNo defect found: 1 segment of 1 trace is healthy"), "{healthy}");
     // If a rejection costs nothing, every segment is rejected.

@@ -66,8 +66,8 @@ fn every_command_finds_the_files_below_with_the_names_of_the_labels() {
         assert!(told.contains(line), "{line} in {told}");
     }
     let labels = read(dir, "bench/labels.csv");
-    assert!(labels.starts_with("trace,class_name,run\n"), "{labels}");
-    for row in ["healthy_top,healthy,", "healthy/run_1/3/rec,healthy,run_1\n", "spall/run_1/3/rec,spall,run_1\n"] {
+    assert!(labels.starts_with("trace,class_name,run,folder2\n"), "{labels}");
+    for row in ["healthy_top,healthy,", "healthy/run_1/3/rec,healthy,run_1,3\n", "spall/run_1/3/rec,spall,run_1,3\n"] {
         assert!(labels.contains(&format!("\n{row}")), "{row} in {labels}");
     }
     assert!(read(dir, "bench/drive.toml").contains("\ntraces = [\".\"]\n"), "the folder is named as it was given");
@@ -90,7 +90,8 @@ fn labels_name_files_by_any_part_of_their_paths() {
     let dir = folder.path();
     arranged(dir, 6, |class, k| format!("data/class_{class}/run_{}/x{k}.csv", k / 2));
     let model = "--y current_a --u1 velocity_ref_rad_s-velocity_rad_s --order 2,2,0,1,1 --novelty none --model m.bwm";
-    let ways: [(&str, fn(&str, usize) -> String); 4] = [
+    type Name = fn(&str, usize) -> String;
+    let ways: [(&str, Name); 4] = [
         ("relative", |class, k| format!("class_{class}/run_{}/x{k}.csv", k / 2)),
         ("backslashes", |class, k| format!("class_{class}\\run_{}\\x{k}", k / 2)),
         ("beyond", |class, k| format!("../data/class_{class}/run_{}/x{k}.csv", k / 2)),

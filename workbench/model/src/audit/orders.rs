@@ -22,6 +22,14 @@ const ROTOR: u32 = 12;
 /// Part of the given rate in which the true one is searched, and the step.
 const SEARCHED: f64 = 0.1;
 const STEP: f64 = 2.5e-4;
+/// Rates that are searched if none is given, the step as a part of each, and the traces and rows that tell them: each
+/// fifth of so many.
+const LOWEST_HZ: f64 = 50.0;
+const HIGHEST_HZ: f64 = 50_000.0;
+const WIDE_STEP: f64 = 1e-3;
+const STARTS: usize = 3;
+const START: usize = 20_000;
+const EVERY: usize = 5;
 /// Least ratio of the lines at the best rate to those at the typical one.
 const SHARP: f64 = 20.0;
 
@@ -65,12 +73,33 @@ pub fn smallest_line(floor: f64, rate: f64) -> f64 {
 pub fn rate(traces: &[(&[f64], &[f64])], given_hz: f64) -> Option<(f64, f64)> {
     let steps = (SEARCHED / STEP) as i32;
     let rates: Vec<f64> = (-steps..=steps).map(|k| given_hz * (1.0 + STEP * f64::from(k))).collect();
+    sharpest(traces, &rates, 1)
+}
+
+/// The same where no rate is known: the rates of recordings of drives by the start of some traces, and then those beside
+/// the sharpest one by all.
+#[must_use]
+pub fn rate_anywhere(traces: &[(&[f64], &[f64])]) -> Option<(f64, f64)> {
+    let starts: Vec<(&[f64], &[f64])> = traces
+        .iter()
+        .take(STARTS)
+        .map(|(y, velocity)| (&y[..y.len().min(START)], &velocity[..velocity.len().min(START)]))
+        .collect();
+    let steps = ((HIGHEST_HZ / LOWEST_HZ).ln() / WIDE_STEP) as i32;
+    let rates: Vec<f64> = (0..=steps).map(|k| LOWEST_HZ * (WIDE_STEP * f64::from(k)).exp()).collect();
+    let (near, _) = sharpest(&starts, &rates, EVERY)?;
+    rate(traces, near)
+}
+
+/// The sharpest of these rates by some rows, if it is clearly sharper than the typical one.
+fn sharpest(traces: &[(&[f64], &[f64])], rates: &[f64], every: usize) -> Option<(f64, f64)> {
     // The angle at a rate of one; that at another rate is in inverse proportion to it.
     let units: Vec<(Vec<f64>, Vec<f64>)> = traces
         .iter()
         .map(|(y, velocity)| {
             let mean = y.iter().sum::<f64>() / y.len().max(1) as f64;
-            (y.iter().map(|y| y - mean).collect(), angle(velocity, 1.0))
+            let rows = |x: Vec<f64>| x.into_iter().step_by(every).collect();
+            (rows(y.iter().map(|y| y - mean).collect()), rows(angle(velocity, 1.0)))
         })
         .collect();
     let of_rate =
@@ -149,6 +178,16 @@ mod tests {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(9);
         let noise: Vec<f64> = (0..9000).map(|_| StandardNormal.sample(&mut random)).collect();
         assert!(rate(&[(noise.as_slice(), records[0].1.as_slice())], 2000.0).is_none());
+    }
+
+    #[test]
+    fn the_true_rate_is_found_where_none_is_given() {
+        for rate_hz in [480.0, 1919.0, 3000.0] {
+            let records: Vec<(Vec<f64>, Vec<f64>)> = (1..=4).map(|seed| record(rate_hz, seed)).collect();
+            let traces: Vec<(&[f64], &[f64])> = records.iter().map(|(y, w)| (y.as_slice(), w.as_slice())).collect();
+            let (found, _) = rate_anywhere(&traces).expect("lines");
+            assert!((found / rate_hz - 1.0).abs() < 1e-3, "{rate_hz}: {found}"); // the step of the search
+        }
     }
 
     #[test]

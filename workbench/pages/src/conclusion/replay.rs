@@ -318,9 +318,10 @@ impl<'a> Conclusion<'a> {
     }
 }
 
-/// The trace, and the start of the segment in it.
+/// The trace, and the start of a segment within it.
 fn place(trace: &Trace, segment: &SegmentReport) -> String {
     match trace.interval_s {
+        _ if segment.start == 0 => trace.id.clone(),
         Some(step) => format!("{} at {:.1} s", trace.id, segment.start as f64 * step),
         None => format!("{} at sample {}", trace.id, segment.start),
     }

@@ -16,7 +16,7 @@ use crate::listing::{Candidate, LEFT_OUT, told_unlabelled, without};
 use crate::table::Table;
 use model::Error;
 use model::audit::friction::{Excited, Motion, Terms, excited};
-use model::audit::orders::{self, floor, rate, smallest_line, turns};
+use model::audit::orders::{self, floor, rate, rate_anywhere, smallest_line, turns};
 use model::session::Log;
 use model::settings::{Data, Settings, Signals, healthy_class};
 use model::trace::front_end::FrontEndFile;
@@ -135,12 +135,21 @@ impl Audit {
 
     /// The rate by the lines of the rotor, for traces without a time.
     fn rotor_rate(&self, traces: &[Audited], findings: &mut Vec<Finding>) -> Option<f64> {
-        let given = self.settings.data.rate_hz?;
         let pairs: Vec<(&[f64], &[f64])> = traces
             .iter()
             .filter(|trace| trace.times.is_none())
             .filter_map(|trace| Some((trace.current.as_deref()?.as_slice(), trace.velocity.as_deref()?.as_slice())))
             .collect();
+        let Some(given) = self.settings.data.rate_hz else {
+            if let Some((found, sharpness)) = rate_anywhere(&pairs) {
+                let what = format!(
+                    "no time and no rate: the lines of the rotor are sharpest at {found:.1} rows a second ({sharpness:.0} \
+                     times the power); is that rate_hz?"
+                );
+                add(findings, what, "all without a time");
+            }
+            return None;
+        };
         let (found, sharpness) = rate(&pairs, given)?;
         if (found / given - 1.0).abs() > 2e-3 {
             let what = format!(

@@ -54,13 +54,24 @@ pub(super) fn of_gate(own: &Estimates<'_>, situation: &Situation) -> Vec<Recipe>
     }
     sets.dedup();
     sets.retain(|features| !features.is_empty());
-    let recipe =
-        |features: Vec<String>| Recipe { rising: rising(&features), features, automatic: false, ..own.recipe.clone() };
     if sets.is_empty() {
         // The parameters of the difference model alone.
         sets.push(vec![]);
     }
-    sets.into_iter().map(recipe).collect()
+    sets.into_iter().map(|features| with_features(own, features)).collect()
+}
+
+/// Returns the recipes of few features, for few runs: drag and orders, each without what follows temperature and load.
+pub(super) fn of_few(own: &Estimates<'_>, situation: &Situation) -> Vec<Recipe> {
+    let (drag, orders) = (situation.keep(&["drag"]), situation.orders.clone());
+    let mut sets = vec![[drag.clone(), orders.clone()].concat(), orders, drag];
+    sets.retain(|features| !features.is_empty());
+    sets.dedup();
+    sets.into_iter().map(|features| with_features(own, features)).collect()
+}
+
+fn with_features(own: &Estimates<'_>, features: Vec<String>) -> Recipe {
+    Recipe { rising: rising(&features), features, automatic: false, ..own.recipe.clone() }
 }
 
 /// Returns the recipes that name classes of defects.

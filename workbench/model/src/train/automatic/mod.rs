@@ -41,7 +41,7 @@ pub(super) fn choose(own: &Estimates<'_>) -> Result<(Recipe, Automatic), Error> 
     if own.classes.len() > 1 {
         return classes::choose(own, &situation);
     }
-    let recipes = candidates::with_and_without(candidates::of_gate(own, &situation));
+    let mut recipes = candidates::with_and_without(candidates::of_gate(own, &situation));
     if let [only] = &recipes[..] {
         let why = Automatic {
             rivals: vec![Rival::of(only, None)],
@@ -54,7 +54,14 @@ pub(super) fn choose(own: &Estimates<'_>) -> Result<(Recipe, Automatic), Error> 
         return Ok((only.clone(), why));
     }
     let defects = defects::added(own, &situation)?;
-    let judged: Vec<Result<Power, Error>> = recipes.par_iter().map(|recipe| power::of(own, recipe, &defects)).collect();
+    let judge = |recipe: &Recipe| power::of(own, recipe, &defects);
+    let mut judged: Vec<Result<Power, Error>> = recipes.par_iter().map(judge).collect();
+    if judged.iter().all(Result::is_err) {
+        // So few runs support a gate of fewer features only.
+        let fewer = candidates::of_few(own, &situation);
+        judged.extend(fewer.par_iter().map(judge).collect::<Vec<_>>());
+        recipes.extend(fewer);
+    }
     let chosen = best(&judged).unwrap_or(0);
     let held_out = judged.iter().flatten().all(|own| own.held_out);
     let rival = |(recipe, power): (&Recipe, &Result<Power, Error>)| {
