@@ -161,3 +161,26 @@ fn a_single_input_needs_no_second_one() {
     refuse(dir, &format!("identify {file} {channels} --order 2,2,1,1,1"), &["1 terms of a second input; give --u2"]);
     refuse(dir, &format!("piecewise {file} {channels}"), &["give --u2"]);
 }
+
+/// So few runs get the recipe that training chooses, which finds a spall where means and rms do not.
+#[test]
+fn a_few_healthy_runs_keep_the_usual_recipe() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --count 16 --seed 5 --mix --angle-bits 16 --out all");
+    succeed(dir, "simulate --class spall --count 5 --seed 9 --mix --angle-bits 16 --out spall");
+    std::fs::create_dir_all(dir.join("runs")).expect("writable");
+    for k in 0..16 {
+        let name = format!("runs/gesund_Lauf{:02}_{}.csv", k / 2 + 1, k % 2 + 1);
+        std::fs::copy(dir.join(format!("all/healthy_mix_5_{k:03}.csv")), dir.join(name)).expect("a copy");
+    }
+    succeed(dir, "init runs");
+    let file = std::fs::read_to_string(dir.join("runs/drive.toml")).expect("a drive file");
+    assert!(!file.contains("\nfeatures = ") && file.contains("healthy = \"gesund\""), "{file}");
+    assert!(file.contains("group = \"run\""), "{file}");
+    // Without a bearing eight runs support a gate of few features, and with one its orders.
+    succeed(dir, "train runs/drive.toml --model few.bwm");
+    succeed(dir, "train runs/drive.toml --bearing 9,3,17,10 --model m.bwm");
+    let told = succeed(dir, "replay --model m.bwm spall");
+    assert_eq!(told.matches("  novel  ").count(), 5, "{told}");
+}

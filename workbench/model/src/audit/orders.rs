@@ -23,13 +23,16 @@ const ROTOR: u32 = 12;
 const SEARCHED: f64 = 0.1;
 const STEP: f64 = 2.5e-4;
 /// Rates that are searched if none is given, the step as a part of each, and the traces and rows that tell them: each
-/// fifth of so many.
+/// second of so many.
 const LOWEST_HZ: f64 = 50.0;
 const HIGHEST_HZ: f64 = 50_000.0;
 const WIDE_STEP: f64 = 1e-3;
 const STARTS: usize = 3;
-const START: usize = 20_000;
-const EVERY: usize = 5;
+const START: usize = 8000;
+const EVERY: usize = 2;
+/// Multiples of a rate that are tried, and the part of the largest logarithm of a sharpness that is as sharp.
+const MULTIPLES: u32 = 6;
+const AS_SHARP: f64 = 0.9;
 /// Least ratio of the lines at the best rate to those at the typical one.
 const SHARP: f64 = 20.0;
 
@@ -71,13 +74,17 @@ pub fn smallest_line(floor: f64, rate: f64) -> f64 {
 /// much sharper they are than at other rates; `None` if no rate is.
 #[must_use]
 pub fn rate(traces: &[(&[f64], &[f64])], given_hz: f64) -> Option<(f64, f64)> {
-    let steps = (SEARCHED / STEP) as i32;
-    let rates: Vec<f64> = (-steps..=steps).map(|k| given_hz * (1.0 + STEP * f64::from(k))).collect();
-    sharpest(traces, &rates, 1)
+    sharpest(traces, &beside(given_hz), 1).filter(|(_, sharpness)| *sharpness > SHARP)
 }
 
-/// The same where no rate is known: the rates of recordings of drives by the start of some traces, and then those beside
-/// the sharpest one by all.
+/// The rates beside one.
+fn beside(rate_hz: f64) -> Vec<f64> {
+    let steps = (SEARCHED / STEP) as i32;
+    (-steps..=steps).map(|k| rate_hz * (1.0 + STEP * f64::from(k))).collect()
+}
+
+/// The same where no rate is known, by the starts of some traces: of the rates of recordings of drives, and then of those
+/// beside the sharpest one.
 #[must_use]
 pub fn rate_anywhere(traces: &[(&[f64], &[f64])]) -> Option<(f64, f64)> {
     let starts: Vec<(&[f64], &[f64])> = traces
@@ -88,10 +95,15 @@ pub fn rate_anywhere(traces: &[(&[f64], &[f64])]) -> Option<(f64, f64)> {
     let steps = ((HIGHEST_HZ / LOWEST_HZ).ln() / WIDE_STEP) as i32;
     let rates: Vec<f64> = (0..=steps).map(|k| LOWEST_HZ * (WIDE_STEP * f64::from(k)).exp()).collect();
     let (near, _) = sharpest(&starts, &rates, EVERY)?;
-    rate(traces, near)
+    // At a multiple of the rate lines of the orders 1, 2 … are those of multiples: the lowest of equals is the rate.
+    let at = |k: u32| sharpest(&starts, &beside(near / f64::from(k)), EVERY);
+    let found: Vec<(f64, f64)> = (1..=MULTIPLES).rev().filter_map(at).collect();
+    let most = found.iter().map(|(_, sharpness)| sharpness.ln()).fold(0.0, f64::max);
+    let is_as_sharp = |sharpness: f64| sharpness > SHARP && sharpness.ln() > AS_SHARP * most;
+    found.into_iter().find(|(_, sharpness)| is_as_sharp(*sharpness))
 }
 
-/// The sharpest of these rates by some rows, if it is clearly sharper than the typical one.
+/// The sharpest of these rates by one row in `every`, and how much sharper it is than the typical one.
 fn sharpest(traces: &[(&[f64], &[f64])], rates: &[f64], every: usize) -> Option<(f64, f64)> {
     // The angle at a rate of one; that at another rate is in inverse proportion to it.
     let units: Vec<(Vec<f64>, Vec<f64>)> = traces
@@ -109,7 +121,7 @@ fn sharpest(traces: &[(&[f64], &[f64])], rates: &[f64], every: usize) -> Option<
     let best = (0..rates.len()).max_by(|one, other| likeness[*one].total_cmp(&likeness[*other]))?;
     // Of a ratio of powers, per trace.
     let sharpness = ((likeness[best] - median(&likeness)) / count).exp();
-    (sharpness > SHARP).then_some((rates[best], sharpness))
+    Some((rates[best], sharpness))
 }
 
 /// Power of the lines of the rotor of a signal without mean, by the angle at a rate of one.
