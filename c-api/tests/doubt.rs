@@ -8,6 +8,9 @@
     reason = "a test fails by a panic"
 )]
 
+#[allow(dead_code, reason = "other tests use the rest")]
+#[path = "support/drive.rs"]
+mod drive;
 #[path = "../../examples/support/standard_rig/mod.rs"]
 mod standard_rig;
 #[allow(dead_code, reason = "other tests use the rest")]
@@ -224,6 +227,27 @@ fn no_segment_has_a_verdict_before_the_wiring_is_known() {
     };
     assert_eq!([BwAlignment::Undecided, BwAlignment::Misaligned].map(&mut tell), [BwReason::Implausible; 2]);
     assert_eq!([BwAlignment::Aligned, BwAlignment::Unknown].map(&mut tell), [BwReason::None; 2]);
+}
+
+#[test]
+fn behind_a_front_end_no_segment_has_a_verdict_before_it_tells_the_wiring() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    // The samples of the model come every 2 ms.
+    let good = BwFrontEndConstants { control_rate_hz: 4000.0, ..drive::for_c(&drive::CONSTANTS, 8, 2) };
+    let checked = |constants: BwFrontEndConstants| {
+        // SAFETY: the state is initialised, and the constants are there.
+        let code = unsafe { bw_check_front_end(state, &raw const constants) };
+        take(state, SEGMENT, true);
+        (code, told(state).1)
+    };
+    let other = BwFrontEndConstants { factor: 16, ..good };
+    assert_eq!(checked(other), (BwCode::ModelInterval, BwReason::None), "a front end that is refused is none");
+    assert_eq!(checked(good), (BwCode::Ok, BwReason::Implausible));
+    // SAFETY: the state is initialised.
+    assert_eq!(unsafe { bw_tell_alignment(state, BwAlignment::Aligned as u8) }, BwCode::Ok);
+    take(state, SEGMENT, true);
+    assert_eq!(told(state).1, BwReason::None);
 }
 
 #[test]

@@ -6,13 +6,17 @@ mod standard_rig;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod support;
 
+use core::convert::Infallible;
 use core::ffi::c_void;
 use core::ptr::null_mut;
 
+use bearing_watch::model::Label;
+use bearing_watch::storage::{RecordKind, RecordLabel, SlotPair};
 use bearing_watch_c::*;
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
-use standard_rig::model::MODEL;
-use support::{FILE, Memory, SEGMENT, alarm, channels};
+use standard_rig::model::{Drive, MODEL};
+use support::{FILE, Memory, SEGMENT, alarm, bytes, channels};
 
 /// Two sectors from the address 1024 on. It refuses what a flash cannot do.
 struct Chip {
@@ -78,6 +82,39 @@ unsafe extern "C" fn erase(context: *mut c_void, address: u32, end: u32) -> i32 
         chip.bytes[range].fill(0xFF);
     }
     i32::from(!powered)
+}
+
+/// The same for the core.
+impl ErrorType for Chip {
+    type Error = Infallible;
+}
+
+impl ReadNorFlash for Chip {
+    const READ_SIZE: usize = BW_FLASH_UNIT;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
+        bytes.copy_from_slice(&self.bytes[offset as usize..][..bytes.len()]);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl NorFlash for Chip {
+    const WRITE_SIZE: usize = BW_FLASH_UNIT;
+    const ERASE_SIZE: usize = BW_FLASH_UNIT;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {
+        self.bytes[from as usize..to as usize].fill(0xFF);
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Infallible> {
+        self.bytes[offset as usize..][..bytes.len()].copy_from_slice(bytes);
+        Ok(())
+    }
 }
 
 fn save(chip: &mut Chip, state: *mut BwState) -> BwCode {
@@ -151,6 +188,32 @@ fn a_model_is_stored_and_the_state_of_another_is_refused() {
     let mut memory = Memory::new();
     let state = memory.state(FILE).expect("a good model");
     assert_eq!(restore(&mut chip, state), BwCode::FlashNoRecord, "a model is no state");
+}
+
+#[test]
+fn the_newest_record_of_this_model_is_restored_or_the_newest_is_refused_by_its_code() {
+    /// Puts something into a chip, as the newest record.
+    type Put<'a> = &'a dyn Fn(&mut Chip);
+    let [mut memory, mut changed] = [(); 2].map(|()| Memory::new());
+    let state = memory.state(FILE).expect("a good model");
+    let mut constants = MODEL.constants().clone();
+    constants.classifier.discriminant.log_prior[0] -= 0.5;
+    let of_other = changed.state(&bytes(&Drive::model(constants).expect("a good model"))).expect("a good model");
+    let label = RecordLabel { model: 0, drive: Label::constant("") };
+    let good: Put<'_> = &|chip| assert_eq!(save(chip, state), BwCode::Ok);
+    let other: Put<'_> = &|chip| assert_eq!(save(chip, of_other), BwCode::Ok);
+    let strange: Put<'_> = &|chip| {
+        let pair = SlotPair::<64>::new(chip, START, 4096, RecordKind::State).expect("two places");
+        pair.store(chip, &label, b"no state, with a good checksum").expect("it fits");
+    };
+    let restored = |records: [Put<'_>; 2]| {
+        let mut chip = Chip::new(4096);
+        records.iter().for_each(|put| put(&mut chip));
+        restore(&mut chip, state)
+    };
+    assert_eq!([restored([good, strange]), restored([good, other])], [BwCode::Ok; 2], "the one before");
+    assert_eq!(restored([other, strange]), BwCode::SavedState);
+    assert_eq!(restored([strange, other]), BwCode::OtherModel);
 }
 
 #[test]

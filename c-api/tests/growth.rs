@@ -19,12 +19,12 @@ use core::ptr::null_mut;
 
 use bearing_watch::alarm::{Contribution, Growth, Interval};
 use bearing_watch::model::{
-    Channel, Classifier, Constants, Covariates, Direction, Directions, Discriminant, EvidenceConstants, Feature,
-    Forgetting, KNOTS, Label, Novelty, Projection, Regression, Sampling,
+    Channel, Classifier, Constants, Covariates, Direction, Directions, Discriminant, EvidenceConstants, Fall, Feature,
+    FeatureValue, Forgetting, KNOTS, Label, Novelty, Projection, Regression, Sampling,
 };
 use bearing_watch::plan::{Layout, Memory as Rows, Method, RegressionLayout, Structure};
 use bearing_watch::telemetry::{Encoder, Source};
-use bearing_watch::{Detector, Model, Monitor};
+use bearing_watch::{Detector, Evidence, Model, Monitor};
 use bearing_watch_c::*;
 
 use numbers::Numbers;
@@ -248,6 +248,31 @@ fn without_a_sampling_interval_there_are_runs_and_no_hours() {
     });
     let BwGrowth { run_hours, runs_left, hours_left, .. } = grown.expect("it grows");
     assert!(run_hours == 0.0 && runs_left.value > 0.0 && hours_left.value.is_nan(), "{grown:?}");
+}
+
+#[test]
+fn an_alarm_names_the_coordinate_that_has_risen_or_fallen() {
+    let (model, mut memory) = (model(0.5), Memory::new());
+    let state = memory.state(&bytes(&model)).expect("a model that fits");
+    // Of two runs, by the core: what the first direction watches has risen, or the second coordinate has fallen.
+    let told = |risen: f32, fall: Fall| {
+        let (mut evidence, mut buffer) = (Evidence::new(&model), [0; 1024]);
+        for _ in 0..2 {
+            let mut decision = model.constants().classifier.decide(Means, &[0.0], 0.0).expect("a likelihood");
+            decision.set_directed(&[risen, 0.0].map(|value| FeatureValue { value, variance: 0.0 }));
+            decision.fall = fall;
+            (0..SEGMENTS_A_RUN).for_each(|_| _ = evidence.observe(Some(&decision)));
+            evidence.end_run();
+        }
+        let length = evidence.save(&model, &mut buffer).expect("fits");
+        // SAFETY: the state is initialised, and the bytes are there.
+        assert_eq!(unsafe { bw_restore(state, buffer.as_ptr(), length) }, BwCode::Ok);
+        let BwAlarm { raised, known, risen, fallen, coordinate, .. } = alarm(state);
+        (raised, known, risen, fallen, coordinate)
+    };
+    assert_eq!(told(0.0, Fall::default()), (false, false, false, false, 0));
+    assert_eq!(told(5.0, Fall::default()), (true, false, true, false, 1));
+    assert_eq!(told(0.0, Fall { surprise: 30.0, coordinate: 1 }), (true, false, false, true, 1));
 }
 
 #[test]

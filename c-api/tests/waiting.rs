@@ -30,15 +30,21 @@ fn collect(state: *mut BwState) -> BwCode {
     unsafe { bw_collect_waiting(state) }
 }
 
-/// The parameters of the closed segment, its rows, and the samples that were lost.
-fn concluded(state: *mut BwState) -> (Vec<u32>, u32, u32) {
+/// The last report.
+fn report(state: *mut BwState) -> BwReport {
     let mut report = MaybeUninit::<BwReport>::uninit();
     // SAFETY: the state is initialised; the report is written if the code says so.
-    let report = unsafe {
-        assert_eq!(bw_conclude(state), BwCode::Report);
+    unsafe {
         assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::Ok);
         report.assume_init()
-    };
+    }
+}
+
+/// The parameters of the closed segment, its rows, and the samples that were lost.
+fn concluded(state: *mut BwState) -> (Vec<u32>, u32, u32) {
+    // SAFETY: the state is initialised.
+    assert_eq!(unsafe { bw_conclude(state) }, BwCode::Report);
+    let report = report(state);
     let parameters = values(state, BwValues::Parameters).into_iter().map(f32::to_bits).collect();
     (parameters, report.rows, report.lost_samples)
 }
@@ -124,6 +130,32 @@ fn a_restart_drops_what_waits_and_what_was_lost() {
     }
     let (parameters, taken, lost) = concluded(state);
     assert_eq!((lost, (parameters, taken)), (1, alone(0..0, usize::MAX)));
+}
+
+#[test]
+fn a_report_stands_after_a_restart_that_drops_a_fault_behind_it() {
+    for restarts in [true, false] {
+        let mut memory = Memory::new();
+        let state = memory.state(FILE).expect("a good model");
+        let rows = rows();
+        for row in rows.iter().take(SEGMENT) {
+            put(state, row, false);
+            collect(state);
+        }
+        concluded(state);
+        // Four wait; the fault comes with the fifth, which is lost.
+        let codes: Vec<BwCode> = (0..5).map(|k| put(state, &rows[k], k == 4)).collect();
+        assert_eq!(codes.last(), Some(&BwCode::SampleLost));
+        if restarts {
+            // SAFETY: the state is initialised.
+            assert_eq!(unsafe { bw_restart(state) }, BwCode::Ok);
+        }
+        collect(state);
+        put(state, &rows[5], false);
+        collect(state);
+        let expected = if restarts { BwReason::None } else { BwReason::FoundLate };
+        assert_eq!(report(state).reason, expected, "restarts: {restarts}");
+    }
 }
 
 #[test]

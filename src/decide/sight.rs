@@ -286,6 +286,23 @@ mod tests {
     }
 
     #[test]
+    fn a_size_is_that_of_the_feature_whatever_its_weight_in_the_coordinate() {
+        let of = |feature: Feature, weight: f32| {
+            let mut other = classifier();
+            other.features[2] = feature;
+            (other.projection.matrix[10], other.projection.mean[2]) = (weight, 3.0);
+            other.novelty.mean[2] = 2.0 * weight;
+            smallest([0.0; 4], &other).0[2]
+        };
+        let near = |size: f32, expected: f32| assert!((size / expected - 1.0).abs() < 1e-5, "{size} {expected}");
+        // A shift of 4 · 0.2 of a coordinate with half of the feature is 1.6, of a healthy mean of 3 + 2.
+        for weight in [0.5, -0.5] {
+            near(of(Feature::LogFrictionVariance, weight), 1.6_f32.exp() - 1.0);
+            near(of(Feature::ChannelRms(0), weight), 1.6 / 5.0);
+        }
+    }
+
+    #[test]
     fn a_projection_that_mixes_features_knows_no_size() {
         let mut mixed = classifier();
         mixed.projection.matrix.fill(0.5);

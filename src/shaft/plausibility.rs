@@ -197,11 +197,16 @@ mod tests {
         let zero = Parameter { value: -2.0, deviation: 0.02, score: 0.0 };
         assert_eq!(Fit::of(zero, 0.0, 0.2, 1.0), Fit::Unknown);
         // A model whose healthy values spread by 0.6 about 2 knows no limit at √2, but 1.6.
-        let spread = |value| Fit::of(Parameter { value, deviation: 0.02, score: 0.0 }, 2.0, 1.2, 1.0);
-        assert_eq!(
-            [0.6, 1.0, 3.1, 3.5, -1.0].map(spread),
-            [Fit::Below, Fit::Unknown, Fit::Unknown, Fit::Above, Fit::Negative]
-        );
+        for sign in [1.0, -1.0] {
+            let spread = |value: f32| {
+                Fit::of(Parameter { value: sign * value, deviation: 0.02, score: 0.0 }, sign * 2.0, 1.2, 1.0)
+            };
+            assert_eq!(
+                [0.6, 1.0, 3.1, 3.5, -1.0].map(spread),
+                [Fit::Below, Fit::Unknown, Fit::Unknown, Fit::Above, Fit::Negative],
+                "{sign}"
+            );
+        }
     }
 
     #[test]

@@ -134,6 +134,9 @@ mod tests {
         // They come again for a while; a segment needs its time, and none is missed at once.
         let pause = |s: u32| if (20..40).contains(&s) { 20 } else { s };
         assert_eq!(told(|s| [pause(s), pause(s) / 5, pause(s) / 50], 90), [(23, Stage::Samples)]);
+        // So it is if the counts go on where they stood: the next segment closes five seconds later.
+        let resumed = |s: u32| s.min(20) + s.saturating_sub(40);
+        assert_eq!(told(|s| [resumed(s), resumed(s) / 5, resumed(s) / 50], 90), [(23, Stage::Samples)]);
         let twice = |s: u32| s.min(20) + s.clamp(40, 45) - 40;
         assert_eq!(told(|s| [twice(s), 0, 0], 60), [(10, Stage::Segments), (23, Stage::Samples), (48, Stage::Samples)]);
         // Samples without segments, segments without verdicts.

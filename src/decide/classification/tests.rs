@@ -3,7 +3,7 @@
 use std::vec;
 
 use super::*;
-use crate::decide::{Covariate, Covariates, Discriminant, Feature, Novelty, Projection};
+use crate::decide::{Covariate, Covariates, Discriminant, Feature, Novelty, Projection, Verdict};
 use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
 use crate::regression::estimate::Estimate;
 
@@ -85,4 +85,16 @@ fn a_segment_is_far_from_a_class_by_the_coordinates_that_are_left() {
         assert_eq!(beyond([8.0 + departure, 8.0], [0.0; 2]), [false, both], "{departure}");
         assert_eq!(beyond([8.0 + departure, 0.0], [0.0, f32::INFINITY]), [false, left], "{departure}");
     }
+}
+
+/// With rising coordinates one of them may be rare at a usual distance, and a distance rare where none of them is.
+#[test]
+fn the_gate_of_the_healthy_class_compares_the_rarest_value_and_not_the_distance() {
+    let novelty = Novelty { class: Some(0), limit: 2.0, ..Novelty::none(plan()) };
+    let classifier = Classifier { novelty, ..classifier() };
+    let of = |surprise: f32, distance_surprise: f32| {
+        let decision = classifier.decide(plan(), &[0.0, -9.0], 0.0).unwrap();
+        classifier.verdict(&Decision { surprise, distance_surprise, ..decision })
+    };
+    assert_eq!([of(2.0, 0.5), of(1.9, 30.0)], [Verdict::Novel, Verdict::Class(0)]);
 }

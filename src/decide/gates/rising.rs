@@ -283,6 +283,13 @@ mod tests {
         let Fall { surprise, coordinate } = all_of(&fallen).fall;
         near(surprise, 32.0 + 2.0_f64.ln() + 0.1_f64.ln());
         assert_eq!((coordinate, all_of(&[[0.0, 1.0], [0.0, 1.0], [4.0, 2.0]]).fall), (2, Fall::default()));
+        // Any of two that could have fallen does so twice as often; one that is missing could not.
+        let beside = |other: [f32; 2]| {
+            let [none, also, fallen] = fallen;
+            all_of(&[none, also, fallen, other]).fall.surprise
+        };
+        near(beside([0.5, 1.0]), 32.0 + 0.1_f64.ln());
+        near(beside(MISS), 32.0 + 2.0_f64.ln() + 0.1_f64.ln());
         // A small fall is usual: e⁻¹/2 is more than φ.
         near(judged(&[[0.0, 1.0], [0.0, 1.0], [-0.5, 1.0]]), of(1.0 - 0.5 * (-0.25_f64).exp(), 2.1));
     }

@@ -89,6 +89,20 @@ fn a_denial_ends_the_run_that_raised_the_alarm() {
     assert!(evidence.contribution(0).unwrap().deviations.abs() < 0.1, "{evidence:?}");
 }
 
+/// A run that is usual after a denial teaches the drive's mean, 20 of 0.8 nearly all of it.
+#[test]
+fn a_later_denial_takes_back_nothing_that_usual_runs_have_taught_since_the_first() {
+    let mut evidence = fresh();
+    for denial in 1..4 {
+        alarmed(&mut evidence);
+        assert!(evidence.deny());
+        run(&mut evidence, &[0.8]);
+        let deviations = evidence.contribution(0).unwrap().deviations;
+        assert_eq!(deviations.abs() < 0.1, denial > 1, "denial {denial}: {deviations}");
+        (0..20).for_each(|_| _ = run(&mut evidence, &[0.8]));
+    }
+}
+
 #[test]
 fn an_alarm_after_a_denial_is_of_a_change_since_the_denial() {
     let mut evidence = fresh();
