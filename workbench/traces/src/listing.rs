@@ -22,6 +22,18 @@ pub(crate) const LEFT_OUT: &str = "left out";
 /// Why files of folders are left out.
 pub(crate) const LACKING: &str = "without the columns of the channels";
 
+/// Extensions of files that may be recordings, but are of no format that is read: measuring systems, drives and logs.
+const UNREAD: [&str; 25] = [
+    "wav", "flac", "mf4", "mdf", "tdms", "tdm", "dxd", "d7d", "uff", "unv", "xls", "xlsx", "ods", "sqlite", "db",
+    "bag", "mcap", "ulg", "ulog", "blf", "dcexp", "jsonl", "ndjson", "trc", "rec",
+];
+
+/// Whether a file may be a recording of a format that is not read.
+fn is_unread(file: &Path) -> bool {
+    let extension = file.extension().map(|own| own.to_string_lossy().to_lowercase());
+    extension.is_some_and(|own| UNREAD.contains(&own.as_str()))
+}
+
 /// A file that may have traces.
 #[derive(Debug)]
 pub struct Candidate {
@@ -58,8 +70,11 @@ impl Listing {
                 files.push((path.clone(), false));
                 continue;
             }
-            let walked = Walk { links: true, takes: &is_known, skips: &reason_to_skip }.of(path)?;
+            let takes = |file: &Path| is_known(file) || is_unread(file);
+            let mut walked = Walk { links: true, takes: &takes, skips: &reason_to_skip }.of(path)?;
             left_out.extend(walked.skipped.iter().map(ToString::to_string));
+            let unread: Vec<PathBuf> = walked.files.extract_if(.., |file| !is_known(file)).collect();
+            left_out.extend(without(unread.iter(), "of a format that is not read; save it as CSV, MATLAB or Parquet"));
             // A folder may be given beside one that it is in.
             let new = walked.files.into_iter().filter(|file| !given.contains(&whole(file)) && seen.insert(whole(file)));
             let (own, labels): (Vec<PathBuf>, Vec<PathBuf>) = new.partition(|file| is_trace(file));

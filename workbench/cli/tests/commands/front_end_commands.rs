@@ -95,6 +95,10 @@ fn recordings_of_raw_signals_tell_their_front_end() {
     succeed(dir, &format!("{simulate} --count 8 --seed 3 --out t"));
     refuse(dir, "init --front-end t", &["front_end.toml exists", "--force"]);
     succeed(dir, "init --front-end --force t");
+    // The audit looks at the rows as they are recorded, and at what the front end makes of them.
+    let audited = crate::common::run(dir, "audit t/drive.toml");
+    let audited = String::from_utf8_lossy(&audited.stdout).into_owned();
+    assert!(audited.contains(" as recorded)") && audited.contains("lines of orders, median of"), "{audited}");
     let file = text(&dir.join("t/front_end.toml"));
     for words in [
         "control_rate_hz = 10000.000",

@@ -40,8 +40,9 @@ const ANGLE: [&str; 11] =
     ["angle", "winkel", "theta", "角度", "position", "位置", "pos", "resolver", "encoder", "電気角", "phi"];
 const LOAD: [&str; 11] =
     ["load", "last", "lastmoment", "torque", "drehmoment", "couple", "トルク", "转矩", "moment", "force", "brake"];
-/// Parts of names of what is computed or of another machine.
-const SECONDARY: [&str; 6] = ["est", "estimated", "2", "error", "err", "filtered"];
+/// Parts of names of what is computed, of another machine, or of the supply.
+const SECONDARY: [&str; 12] =
+    ["est", "estimated", "2", "error", "err", "filtered", "input", "supply", "bus", "battery", "batt", "source"];
 /// Words of columns that say what a row is of.
 const LABELS: [&str; 12] =
     ["label", "labels", "class", "klasse", "fault", "fehler", "state", "status", "id", "index", "sample", "target"];
@@ -201,6 +202,7 @@ mod tests {
         assert_eq!((log.current, log.velocity_ref), (some("(motorCurrent_mA)A"), some("SpeedSetpoint")));
         assert_eq!(of(&["motor_iq_1", "motor_torque_1", "power_load_mech_1"]).load, None);
         assert_eq!(of(&["X131_DE_time", "time2"]), Guess::default());
+        assert_eq!(of(&["Input current [A]", "motor_current_A"]).current, some("motor_current_A"));
     }
 
     #[test]

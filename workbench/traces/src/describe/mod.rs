@@ -64,6 +64,10 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         Path::to_path_buf,
     );
     let listing = Listing::without_labels(traces, None)?;
+    if listing.candidates.is_empty() && !listing.left_out.is_empty() {
+        let (folder, left) = (folder.display(), listing.left_out.join("; "));
+        return Err(Error::Usage(format!("no recording can be read in {folder}: {left}")));
+    }
     log.warn(listing.left_out.iter().cloned());
     let files = listing.files();
     // A relative file is beside the drive file, as the drive file names it.
@@ -98,7 +102,8 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
     match outcome {
         Outcome::Refused(reason) => {
             let what = "it is written, but training refuses it; edit it, or bring other recordings";
-            return Err(Error::Training(format!("{told} {what}: {reason}")));
+            let doubts = found.doubts.iter().map(|doubt| format!(" Note: {doubt}.")).collect::<String>();
+            return Err(Error::Training(format!("{told}{doubts} {what}: {reason}")));
         }
         _ => told += &note.map_or_else(String::new, |note| format!(" Note: {note}.")),
     }

@@ -90,7 +90,10 @@ impl Proposal {
                 "{list} are phase currents, of which none is the current: --front-end makes it of them and the angle"
             )
         });
-        phases.into_iter().chain(current.as_ref().and_then(of_current)).collect()
+        let unnamed = (self.y.is_none() && phases.is_none()).then(|| {
+            "no name tells which column is which: write y, and u1, velocity or angle, in the drive file".to_string()
+        });
+        phases.into_iter().chain(unnamed).chain(current.as_ref().and_then(of_current)).collect()
     }
 
     /// Whether the velocity of a trace with these columns is constant.

@@ -51,12 +51,21 @@ pub(super) fn tried(found: &Found, values: &mut Values, (out, text): (&Path, &dy
 type Change = fn(&Found, &mut Values) -> bool;
 
 /// What becomes simpler, each in addition to those before; whether there is anything to change.
-const CHANGES: [(&str, Change); 8] = [
+const CHANGES: [(&str, Change); 10] = [
+    ("mean and rms of the current, until a bearing is given", |found, own| {
+        let current = found.proposal.guess.current.as_ref().filter(|current| !current.contains('('));
+        let (Some(current), false) = (current, own.values.contains_key("features")) else { return false };
+        let names = ["mean", "rms"].map(|word| literal(&format!("{word}_{current}")));
+        let why = "with a bearing, leave this line out: its orders are then the features";
+        own.values.insert("features", format!("[{}]  # {why}", names.join(", ")));
+        true
+    }),
     ("a lower order", |found, own| {
         let (inputs, loads) = (u8::from(!found.proposal.alone), u8::from(own.values.contains_key("u2")));
         own.values.insert("order", format!("[1, {inputs}, {loads}, 1, 1]"));
         true
     }),
+    ("a lower order and the usual features", |_, own| own.values.remove("features").is_some()),
     ("no shaft", |_, own| {
         let keys = ["angle", "velocity", "load", "velocity_ref", "current", "orders"];
         let had = keys.map(|key| own.values.remove(key).is_some()).contains(&true);

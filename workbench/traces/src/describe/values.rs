@@ -170,10 +170,10 @@ impl Values {
         if count >= fewest(features) {
             return;
         }
-        // More classes need more features than a gate of few records allows; with an angle training chooses as many as
-        // there is support for.
-        let has_angle = self.values.contains_key("angle");
-        match current.filter(|_| count >= fewest(2) && classes.len() < 3 && !has_angle) {
+        // More classes need more features than a gate of few records allows; of healthy records with an angle training
+        // chooses as many as there is support for.
+        let chosen = self.values.contains_key("angle") && classes.len() == 1;
+        match current.filter(|_| count >= fewest(2) && classes.len() < 3 && !chosen) {
             Some(current) => {
                 let why = format!(
                     "{count} healthy {what} support a gate of two features; of {features}, {}. With a bearing, leave \
@@ -182,7 +182,7 @@ impl Values {
                 );
                 self.values.insert("features", format!("[\"mean_{current}\", \"rms_{current}\"]  # {why}"));
             }
-            None if classes.len() > 1 && !(has_angle && count >= fewest(2)) => {
+            None if classes.len() > 1 => {
                 self.values.remove("healthy");
                 let least = fewest(features);
                 let why = format!("{count} {what} support no false-alarm rate of {RATE} with {features} features");

@@ -317,6 +317,10 @@ fn large(path: &Path, form: &TextForm) -> Result<Option<(String, u64)>, Error> {
     if head.starts_with(b"PK\x03\x04") {
         return Err(Error::content(path, "content", "a ZIP archive; unpack it, and save sheets as CSV"));
     }
+    let json = ["{\"", "[{", "[[", "{ \"", "{\n"];
+    if std::str::from_utf8(head.trim_ascii_start()).is_ok_and(|text| json.iter().any(|start| text.starts_with(start))) {
+        return Err(Error::content(path, "content", "JSON; write its records as CSV, a column each, or as Parquet"));
+    }
     if is_binary(&head) {
         return Err(Error::content(path, "content", "no text; save the recording as CSV, MATLAB or Parquet"));
     }

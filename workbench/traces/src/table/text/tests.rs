@@ -74,3 +74,15 @@ fn compressed_text_is_unpacked_and_broken_text_refused() {
     let wrong = table("a.csv", b"# note\nt;i\n0,5;1\n0,6;x\n").expect_err("a word");
     assert!(wrong.contains("line 4, column i: \"x\" is not a number"), "{wrong}");
 }
+
+#[test]
+fn records_of_json_are_named() {
+    for text in
+        ["{\"t\": 0.0, \"i\": 1.5}\n{\"t\": 0.1, \"i\": 1.6}\n", "\n[{\"t\": 0.0}]\n", "{\n  \"rows\": [[0, 1]]\n}\n"]
+    {
+        let file = tempfile::Builder::new().suffix(".csv").tempfile().expect("temporary file");
+        std::fs::write(file.path(), text).expect("writable");
+        let refused = crate::table::Table::open(file.path()).map(drop).expect_err(text).to_string();
+        assert!(refused.contains("JSON; write its records as CSV"), "{refused}");
+    }
+}
