@@ -1,11 +1,13 @@
 //! Reports in doubt, a lost diagnosis, and a state that starts afresh.
 #![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     clippy::expect_used,
     clippy::float_cmp,
     clippy::indexing_slicing,
     clippy::panic,
     clippy::unwrap_used,
-    reason = "a test fails by a panic"
+    reason = "a test fails by a panic, and its inputs are small constants"
 )]
 
 #[allow(dead_code, reason = "other tests use the rest")]

@@ -97,7 +97,8 @@ fn faults_of_the_angle_are_found_in_recordings() {
     let Some(files) = data("lab_files/angle_faults") else { return };
     let findings_of = |name: &str| -> String {
         let file: PathBuf = files.join(format!("{name}.csv"));
-        let outcome = Audit::usual(&file).audit(&[file], &Log::new(&Quiet)).expect(name);
+        let (audit, log) = (Audit::usual(&file), Log::new(&Quiet));
+        let outcome = audit.listing(&log).and_then(|files| audit.audit(&files, &log)).expect(name);
         outcome.findings.iter().map(|finding| format!("{}\n", finding.what)).collect()
     };
     for (name, words) in [

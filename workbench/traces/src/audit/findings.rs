@@ -93,7 +93,7 @@ impl Audited {
             for (j, other) in self.values.iter().enumerate().take(k) {
                 // What is wanted and what is measured are alike in a good drive.
                 let is_wanted = is_reference(&self.names[j]) != is_reference(&self.names[k]);
-                if !is_wanted && !(rises[j] && rises[k]) && correlation(one, other).abs() > COLLINEAR {
+                if !(is_wanted || rises[j] && rises[k]) && correlation(one, other).abs() > COLLINEAR {
                     add(findings, format!("columns {} and {} say the same", self.names[j], self.names[k]), id);
                 }
             }
