@@ -7,6 +7,7 @@
 //!
 //! Cross-validation judges each run by runs before and after it, and does not show what a drift does to a gate.
 
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::fit::fit;
@@ -20,6 +21,9 @@ use crate::evaluate::FalseAlarms;
 const LEAST_RUNS: usize = 4;
 /// Most rows of the printed table.
 const MOST_ROWS: usize = 12;
+
+/// The run of a segment, and whether a gate calls the segment novel.
+type Judged = (String, bool);
 
 /// The gate of the first runs, judged on all later ones.
 #[derive(Debug)]
@@ -45,7 +49,7 @@ impl Trained {
         if runs.len() < LEAST_RUNS {
             return vec![];
         }
-        (2..runs.len()).map(|seen| Forward { seen, later: self.later(healthy, runs[seen]) }).collect()
+        (2..runs.len()).into_par_iter().map(|seen| Forward { seen, later: self.later(healthy, runs[seen]) }).collect()
     }
 
     /// Returns the false alarms from the run `first` on of a gate of the runs before it.
@@ -53,9 +57,10 @@ impl Trained {
         let candidates = self.candidates.select(&self.candidates.places(&self.feature_names));
         let (before, after): (Vec<usize>, Vec<usize>) =
             (0..candidates.groups.len()).partition(|&row| candidates.groups[row] < first);
-        let mut found = FalseAlarms::default();
-        self.judge((&candidates, healthy), (&before, &after), &mut found)?;
-        Ok(found)
+        let mut alarms = FalseAlarms::default();
+        let judged = self.judge((&candidates, healthy), (&before, &after))?;
+        judged.iter().for_each(|(run, is_novel)| alarms.add(run, *is_novel));
+        Ok(alarms)
     }
 
     /// Returns the false alarms of healthy segments, each by a gate without its fold; `None` without a gate.
@@ -65,23 +70,27 @@ impl Trained {
         let candidates = self.candidates.select(&self.candidates.places(&self.feature_names));
         let all = || {
             let folds = Folds::new(&candidates, &self.recipe.validation)?;
-            let mut found = FalseAlarms::default();
-            for fold in 0..folds.count {
+            let judge = |fold: usize| {
                 let (seen, held_out) = folds.split(fold);
-                self.judge((&candidates, healthy), (&seen, &held_out), &mut found)?;
+                self.judge((&candidates, healthy), (&seen, &held_out))
+            };
+            // As a list first: the first fold without a gate is told, whichever thread is first.
+            let judged: Vec<Result<Vec<Judged>, Error>> = (0..folds.count).into_par_iter().map(judge).collect();
+            let mut alarms = FalseAlarms::default();
+            for fold in judged {
+                fold?.iter().for_each(|(run, is_novel)| alarms.add(run, *is_novel));
             }
-            Ok(found)
+            Ok(alarms)
         };
         Some(all())
     }
 
-    /// Adds the false alarms of a gate of the rows `before` on the healthy ones of `after`.
+    /// Judges the healthy rows of `after` by a gate of the rows `before`.
     fn judge(
         &self,
         (candidates, healthy): (&Candidates, usize),
         (before, after): (&[usize], &[usize]),
-        found: &mut FalseAlarms,
-    ) -> Result<(), Error> {
+    ) -> Result<Vec<Judged>, Error> {
         let before = candidates.rows(before);
         check(&before)?;
         let fitted = fit(&before, &self.recipe)?;
@@ -90,13 +99,14 @@ impl Trained {
         let (table, names) = (&fitted.coordinates, fitted.coordinate_names.as_slice());
         let rows = Rows { table, names, fitted: fitted_terms, rising };
         let gate = novelty::required_gate(rows, self.recipe.runs(&before).as_deref(), &self.recipe.alarms)?;
-        for row in after.iter().copied().filter(|&row| candidates.table.classes[row] == healthy) {
+        let judge = |row: usize| {
             let (z, variances) = fitted.coordinates_of(candidates, row);
             let group = candidates.groups[row];
             let run = self.recipe.validation.groups.get(group).cloned().unwrap_or_else(|| group.to_string());
-            found.add(&run, gate.is_novel(&z, &variances));
-        }
-        Ok(())
+            (run, gate.is_novel(&z, &variances))
+        };
+        let healthy_rows = after.iter().copied().filter(|&row| candidates.table.classes[row] == healthy);
+        Ok(healthy_rows.map(judge).collect())
     }
 }
 

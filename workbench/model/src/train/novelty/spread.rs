@@ -10,6 +10,9 @@
 //! (Bartlett 1933) yield the distribution of (1). Each tail is computed by the saddle-point approximation (Kuonen
 //! 1999), which has a relative error below 5 %.
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -38,6 +41,20 @@ pub fn gate_rates(coordinates: usize, rows: usize, rate: f64, draws: usize) -> V
 /// rate.
 #[must_use]
 pub fn rows_needed(coordinates: usize, rate: f64) -> usize {
+    /// The numbers that were searched before: each fold of a validation needs the same one.
+    static KNOWN: Mutex<BTreeMap<(usize, u64), usize>> = Mutex::new(BTreeMap::new());
+    let key = (coordinates, rate.to_bits());
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let before = known().get(&key).copied();
+    before.unwrap_or_else(|| {
+        let needed = searched_rows(coordinates, rate);
+        known().insert(key, needed);
+        needed
+    })
+}
+
+/// The search of [`rows_needed`].
+fn searched_rows(coordinates: usize, rate: f64) -> usize {
     let draws = (4000 / coordinates).clamp(60, 400);
     let bounded = |rows: usize| {
         let rates = gate_rates(coordinates, rows, rate, draws);
@@ -158,6 +175,8 @@ mod tests {
     fn rarer_alarms_need_more_segments() {
         let needed = [(1, 1e-2), (1, 1e-3), (3, 1e-2), (3, 1e-3)].map(|(p, rate)| rows_needed(p, rate));
         println!("{needed:?}");
+        // The second answer is that of the first search.
+        assert_eq!(rows_needed(3, 1e-2), searched_rows(3, 1e-2));
         assert!(needed[0] < needed[1] && needed[2] < needed[3], "{needed:?}");
         // One coordinate: ln rate has the standard deviation (z² + 1)/√(2n), z = 2.58; 1.645 of them are ln 3 at n =
         // 65. Fewer suffice, as few segments put the median gate further out.
