@@ -6,6 +6,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use crate::cleaned_reader;
 use crate::labels::has_labels;
 use crate::naming::Naming;
@@ -103,8 +105,10 @@ impl Listing {
     /// A folder that cannot be read.
     pub fn without_labels(paths: &[PathBuf], names: Option<&TraceNames>) -> Result<Self, Error> {
         let Self { candidates, mut left_out } = Self::of(paths, names)?;
-        let (labels, candidates): (Vec<Candidate>, Vec<Candidate>) =
-            candidates.into_iter().partition(|own| own.of_folder && has_labels(&own.file));
+        let are_labels: Vec<bool> = candidates.par_iter().map(|own| own.of_folder && has_labels(&own.file)).collect();
+        let (labels, candidates): (Vec<_>, Vec<_>) = candidates.into_iter().zip(are_labels).partition(|(_, are)| *are);
+        let [labels, candidates] =
+            [labels, candidates].map(|all| all.into_iter().map(|(file, _)| file).collect::<Vec<_>>());
         left_out.extend(without(labels.iter().map(|own| &own.file), "labels, no recording"));
         Ok(Self { candidates, left_out })
     }

@@ -1,11 +1,11 @@
 //! What the files have that `init` looks at.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 use super::asked::Asked;
 use super::axes;
-use super::kinds::{LeftOut, is_one, kinds, most};
+use super::kinds::{LeftOut, kinds, label_of, most};
 use super::names::{self, Told};
 use super::proposal::Proposal;
 use super::raw::{self, Extremes, RawFrontEnd};
@@ -66,7 +66,8 @@ impl Found {
         let Some(own) = most(kinds, &mut left) else { return Err(nothing(&data.traces, &left)) };
         let names = own.names.clone();
         // Files of a folder are found by their columns and labels; those are named beside which others cannot be read.
-        let of_others = left.iter().any(|other| own.files.iter().any(|file| is_one(file, &other.file)));
+        let of_kind: HashSet<_> = own.files.iter().map(|file| label_of(file)).collect();
+        let of_others = left.iter().any(|other| of_kind.contains(&label_of(&other.file)));
         let single = own.files.len() == 1 && files.len() > 1;
         let traces = if single || of_others { own.files.clone() } else { folders_of(&data.traces, &own.files) };
         let table = Table::open_as(&own.files[0], &data.text_form())?;
@@ -116,8 +117,10 @@ impl Found {
         let (file, made) = match given {
             Some(file) => (file, None),
             None => {
-                let (text, told) =
-                    names::labels(&ids(&own.files, &names[..1], &data.text_form())?, &Naming::of(&data.traces, files))?;
+                let (text, told) = names::labels(
+                    &ids((&own.files, &own.tidy), &names[..1], &data.text_form())?,
+                    &Naming::of(&data.traces, files),
+                )?;
                 let own_file = || outputs::folder_of(out).join("labels.csv");
                 let file = asked.labels_from_names.map_or_else(own_file, Path::to_path_buf);
                 outputs::plan(&[&file, out], files)?;
@@ -182,14 +185,17 @@ fn signals(names: &[String], columns: &[Vec<f64>]) -> Vec<String> {
     if own.is_empty() { names.to_vec() } else { own }
 }
 
-/// The files, and of a table of several traces these in its place.
-fn ids(files: &[PathBuf], channels: &[String], form: &TextForm) -> Result<Vec<PathBuf>, Error> {
+/// The files, and of a tidy table its traces in its place.
+fn ids(
+    (files, tidy): (&[PathBuf], &BTreeSet<PathBuf>),
+    channels: &[String],
+    form: &TextForm,
+) -> Result<Vec<PathBuf>, Error> {
     let mut all = Vec::new();
     for file in files {
-        let table = Table::open_as(file, form)?;
-        if table.names().iter().any(|name| name == "trace") {
+        if tidy.contains(file) {
             // Only the ids are wanted, whatever the times are.
-            let series = reader::series(&table, (Some(reader::NO_TIME), None), channels)?;
+            let series = reader::series(&Table::open_as(file, form)?, (Some(reader::NO_TIME), None), channels)?;
             all.extend(series.into_iter().map(|one| file.with_file_name(one.id)));
         } else {
             all.push(file.clone());

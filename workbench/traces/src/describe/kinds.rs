@@ -1,7 +1,9 @@
 //! Files by their columns, and why some are left out.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
 
 use super::guess::Guess;
 use super::proposal::Proposal;
@@ -31,6 +33,8 @@ pub(super) struct Kind {
     /// Columns that most of them do not have as numbers, and why the first one does not.
     pub(super) columns_left: Vec<String>,
     pub(super) files: Vec<PathBuf>,
+    /// Those whose rows are of several traces, by a column of their names.
+    pub(super) tidy: BTreeSet<PathBuf>,
     /// Rows of the first one.
     rows: usize,
 }
@@ -51,28 +55,31 @@ struct Alike {
 pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>, Vec<LeftOut>) {
     let (mut all, mut left): (Vec<Alike>, Vec<LeftOut>) = (Vec::new(), Vec::new());
     let step = log.steps("files", files.len());
-    for file in files {
-        let table = Table::open_as(file, &data.text_form());
-        let read = |table: Table| {
+    let form = data.text_form();
+    let read = |file: &PathBuf| {
+        let looked = Table::open_as(file, &form).and_then(|table| {
             let (numeric, problems) = reader::numeric(&table, data.time.as_deref())?;
             let (labels, signals): (Vec<String>, Vec<String>) = numeric.into_iter().partition(|name| is_label(name));
             let no_signal =
                 |name: &String| Error::content(file, format!("column {name}"), "the class of rows, no signal");
-            let problems = problems.into_iter().chain(labels.iter().map(no_signal)).collect();
-            let rows = if all.iter().any(|alike| alike.names == table.names()) { 0 } else { rows_of(&table, &signals) };
-            Ok(((signals, problems), table.names().to_vec(), rows))
-        };
-        match table.and_then(read) {
-            Ok(((numeric, problems), names, rows)) => {
-                let own = (file.clone(), numeric, problems);
-                match all.iter_mut().find(|alike| alike.names == names) {
-                    Some(alike) => alike.files.push(own),
-                    None => all.push(Alike { names, rows, files: vec![own] }),
+            let problems: Vec<Error> = problems.into_iter().chain(labels.iter().map(no_signal)).collect();
+            Ok((table.names().to_vec(), signals, problems))
+        });
+        step(1);
+        looked
+    };
+    let looked: Vec<Result<_, Error>> = files.par_iter().map(read).collect();
+    for (file, looked) in files.iter().zip(looked) {
+        match looked {
+            Ok((names, signals, problems)) => match all.iter_mut().find(|alike| alike.names == names) {
+                Some(alike) => alike.files.push((file.clone(), signals, problems)),
+                None => {
+                    let rows = Table::open_as(file, &form).map_or(0, |table| rows_of(&table, &signals));
+                    all.push(Alike { names, rows, files: vec![(file.clone(), signals, problems)] });
                 }
-            }
+            },
             Err(error) => left.push(LeftOut { file: file.clone(), reason: reason(&error) }),
         }
-        step(1);
     }
     let kinds = all.into_iter().flat_map(|alike| alike.kinds(&mut left)).collect();
     (kinds, left)
@@ -130,7 +137,9 @@ impl Alike {
         let is_kept = |problem: &str| names.iter().any(|name| problem.contains(&format!("column {name}:")));
         let columns_left = self.files.first().map_or(&[][..], |(_, _, problems)| problems).iter().map(reason);
         let columns_left = columns_left.filter(|problem| !is_kept(problem)).collect();
-        (!files.is_empty()).then_some(Kind { names, columns_left, files, rows: self.rows })
+        let is_tidy = self.names.iter().any(|name| name == "trace");
+        let tidy = if is_tidy { files.iter().cloned().collect() } else { BTreeSet::new() };
+        (!files.is_empty()).then_some(Kind { names, columns_left, files, tidy, rows: self.rows })
     }
 }
 
@@ -146,6 +155,7 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
         if !shared.is_empty() && Proposal::of(&shared).stands_for(&Proposal::of(&own.names)) {
             own.names = shared;
             own.files.extend(other.files);
+            own.tidy.extend(other.tidy);
         } else {
             // Most of them may be unreadable.
             let first = other.columns_left.first().map_or_else(String::new, |problem| format!("; {problem}"));
@@ -154,24 +164,23 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
         }
     }
     own.files.sort_unstable();
-    let mut seen: Vec<PathBuf> = Vec::new();
+    let (mut seen, mut firsts): (Vec<PathBuf>, HashMap<_, String>) = (Vec::new(), HashMap::new());
     for file in std::mem::take(&mut own.files) {
-        let same = |other: &&PathBuf| is_one(other, &file);
-        match seen.iter().find(same) {
-            Some(first) => {
-                let reason = format!("the same name as {} in another format", file_name(first));
-                left.push(LeftOut { file, reason });
+        match firsts.get(&label_of(&file)) {
+            Some(first) => left.push(LeftOut { reason: format!("the same name as {first} in another format"), file }),
+            None => {
+                firsts.insert(label_of(&file), file_name(&file));
+                seen.push(file);
             }
-            None => seen.push(file),
         }
     }
     own.files = seen;
     Some(own)
 }
 
-/// Whether labels name two files alike: of one folder, without the format.
-pub(super) fn is_one(one: &Path, other: &Path) -> bool {
-    one.parent() == other.parent() && stem(&file_name(one)) == stem(&file_name(other))
+/// How labels name a file: its folder, and its name without the format.
+pub(super) fn label_of(file: &Path) -> (Option<PathBuf>, String) {
+    (file.parent().map(Path::to_path_buf), stem(&file_name(file)).to_string())
 }
 
 #[cfg(test)]
