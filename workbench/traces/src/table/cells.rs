@@ -91,7 +91,9 @@ fn blank_separated(line: &str) -> Vec<&str> {
 
 /// The number of a cell as computers write it, also with the exponent of Fortran, 1.5D+02.
 pub(super) fn plain_number(cell: &str) -> Option<f64> {
-    let of_fortran = || cell.ends_with(|c: char| c.is_ascii_digit()).then(|| cell.replace(['D', 'd'], "e"));
+    let is_of_fortran =
+        || cell.bytes().any(|byte| matches!(byte, b'D' | b'd')) && cell.ends_with(|c: char| c.is_ascii_digit());
+    let of_fortran = || is_of_fortran().then(|| cell.replace(['D', 'd'], "e"));
     cell.parse().ok().or_else(|| of_fortran()?.parse().ok())
 }
 
@@ -99,7 +101,9 @@ pub(super) fn plain_number(cell: &str) -> Option<f64> {
 /// 1'015.25 and numbers with narrow blanks have one that is nothing else.
 pub(super) fn plainly_grouped(cell: &str, decimal_comma: bool) -> Option<f64> {
     const GROUPS: [char; 5] = ['\'', '’', '\u{a0}', '\u{202f}', '\u{2009}'];
-    if cell.contains(GROUPS) {
+    // Most cells are ASCII, which is searched by bytes.
+    let has_groups = if cell.is_ascii() { cell.contains('\'') } else { cell.contains(GROUPS) };
+    if has_groups {
         let group = if decimal_comma { "." } else { "," };
         return grouped(&cell.replace(GROUPS, group), decimal_comma);
     }

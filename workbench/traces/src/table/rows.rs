@@ -8,8 +8,6 @@ use model::trace::{Decimal, TextForm};
 /// The rows by one separator.
 pub(super) struct Rows {
     pub(super) separator: u8,
-    /// Whether the separator is given.
-    is_given: bool,
     /// Number of cells, and the columns of numbers or times.
     pub(super) cells: usize,
     numeric: Vec<bool>,
@@ -27,8 +25,17 @@ impl Rows {
         let content = content.get(before..)?;
         let (all, of_rates) = Self::cells_of(content, separator);
         let count = |cells: usize| all.iter().filter(|row| row.len() == cells).count();
-        let usual = || all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells));
+        let usual = || {
+            let mut lengths: Vec<usize> = all.iter().map(Vec::len).collect();
+            lengths.sort_unstable();
+            lengths.dedup();
+            lengths.into_iter().max_by_key(|cells| (count(*cells), *cells))
+        };
         let cells = of_rates.or_else(usual)?;
+        // A single column has no separator but one that is given: only the comma stands for none.
+        if cells == 1 && separator != b',' && form.separator.is_none() {
+            return None;
+        }
         let is_grouped = |cell: &str| form.decimal.is_some_and(|mark| grouped(cell, mark == Decimal::Comma).is_some());
         let kind = |cell: &str| if is_grouped(cell) { Kind::Number } else { kind(cell, true) };
         let kinds = |row: &Vec<&str>| row.iter().map(|cell| kind(cell)).collect::<Vec<_>>();
@@ -59,9 +66,8 @@ impl Rows {
         let place = numeric.iter().position(|numeric| *numeric)?;
         let is_row = |row: &Vec<&str>| row.len() == cells && matches!(kind(row[place]), Kind::Number | Kind::Time);
         let first = first - all[..first].iter().rev().take_while(|row| is_row(row)).count();
-        let is_given = form.separator.is_some();
         let first = if separator == b' ' { first } else { keyed::first_row(&all, first) };
-        let found = Self { separator, is_given, cells, numeric, first, has_units: form.units_row };
+        let found = Self { separator, cells, numeric, first, has_units: form.units_row };
         if form.units_row {
             return (found.columns() > 0).then_some(Self { first: before, ..found });
         }
@@ -81,9 +87,8 @@ impl Rows {
         (all, of_rates)
     }
 
-    /// Number of columns of numbers; a single column has no separator.
+    /// Number of columns of numbers.
     pub(super) fn columns(&self) -> usize {
-        let columns = self.numeric.iter().filter(|numeric| **numeric).count();
-        if self.cells == 1 && self.separator != b',' && !self.is_given { 0 } else { columns }
+        self.numeric.iter().filter(|numeric| **numeric).count()
     }
 }
