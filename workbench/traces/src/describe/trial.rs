@@ -49,21 +49,25 @@ pub(super) fn tried(found: &Found, values: &mut Values, (out, text): (&Path, &dy
     };
     let (_, labels, classes) = &found.labels;
     let sample = Sample::of(&found.all, labels, classes);
-    if let Some(sample) = sample.as_ref().filter(|sample| train(values, Some(sample)).is_ok()) {
+    let accepted_by_some = |values: &Values| {
+        let sample = sample.as_ref().filter(|sample| train(values, Some(sample)).is_ok())?;
         let (tried, all) = (sample.files.len(), found.all.len());
-        let note = format!("training was tried with {tried} of {all} recordings only; it may still refuse others");
+        Some(format!("training was tried with {tried} of {all} recordings only; it may still refuse others"))
+    };
+    if let Some(note) = accepted_by_some(values) {
         return Outcome::Accepted(Some(note));
     }
-    let train = |values: &Values| train(values, None);
-    let Err(first) = train(values) else { return Outcome::Accepted(None) };
+    let Err(first) = train(values, None) else { return Outcome::Accepted(None) };
     let mut simpler = values.clone();
     for (what, change) in CHANGES {
         if !change(found, &mut simpler) {
             continue;
         }
-        if train(&simpler).is_ok() {
+        let some = accepted_by_some(&simpler);
+        if some.is_some() || train(&simpler, None).is_ok() {
             *values = simpler;
-            return Outcome::Accepted(Some(format!("{what}, since training refuses the usual recipe: {first}")));
+            let why = format!("{what}, since training refuses the usual recipe: {first}");
+            return Outcome::Accepted(Some([Some(why), some].into_iter().flatten().collect::<Vec<_>>().join("; ")));
         }
     }
     Outcome::Refused(first)
@@ -202,7 +206,7 @@ mod tests {
         let own_labels = Labels::of(&some.labels).expect("labels");
         assert_eq!((of(&own_labels), some.files.len()), ([190, 100], 290));
         for (row, file) in own_labels.table()[1..].iter().zip(&some.files) {
-            assert!(file.with_extension("").ends_with(&row[0]) && row[2] == format!("of {}.csv", row[0]), "{row:?}");
+            assert!(file.ends_with(&row[0]) && row[2] == format!("of {}", row[0]), "{row:?}");
         }
     }
 
