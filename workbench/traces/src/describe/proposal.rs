@@ -49,11 +49,8 @@ impl Proposal {
         match (moves, of_quantity(&[Voltage, Force, Torque])) {
             (Some(y), Some(u1)) => Self { columns, guess, y: Some(y), u1: Some(u1), by_reference, alone: false },
             _ => {
-                // Of several columns without a name none is an output more than another one.
-                let is_named = |name: &&String| !is_label(name) && !columns.phases.contains(name);
-                let is_place = |name: &String| name.strip_prefix('c').is_some_and(|k| k.parse::<u32>().is_ok());
-                let some = names.iter().find(is_named).filter(|name| names.len() == 1 || !is_place(name));
-                let y = current.clone().or_else(|| some.cloned());
+                let is_signal = |name: &&String| !is_label(name) && !columns.phases.contains(name);
+                let y = current.clone().or_else(|| names.iter().find(is_signal).cloned());
                 Self { columns, guess, y, u1: None, by_reference, alone: true }
             }
         }
@@ -90,8 +87,10 @@ impl Proposal {
                 "{list} are phase currents, of which none is the current: --front-end makes it of them and the angle"
             )
         });
-        let unnamed = (self.y.is_none() && phases.is_none()).then(|| {
-            "no name tells which column is which: write y, and u1, velocity or angle, in the drive file".to_string()
+        let is_place = |name: &String| name.strip_prefix('c').is_some_and(|k| k.parse::<u32>().is_ok());
+        let unnamed = self.y.as_ref().filter(|y| phases.is_none() && is_place(y));
+        let unnamed = unnamed.map(|y| {
+            format!("no name tells which column is which: {y} is described by itself; write y, u1, velocity or angle")
         });
         phases.into_iter().chain(unnamed).chain(current.as_ref().and_then(of_current)).collect()
     }

@@ -9,7 +9,8 @@
 
 use model::trace::words;
 
-use super::Unit;
+use super::grammar::parse;
+use super::unit::Unit;
 
 /// Units of one letter that stand behind an underscore.
 const LETTERS: [&str; 11] = ["A", "a", "V", "v", "N", "n", "m", "s", "K", "C", "c"];
@@ -42,7 +43,7 @@ const QUOTIENTS: [(&str, &str); 15] = [
 pub(super) fn of(name: &str) -> Option<Unit> {
     let name = name.trim();
     match stated(name) {
-        Some(text) => Unit::named(text),
+        Some(text) => parse(text),
         None => alone(name)
             .or_else(|| name.match_indices('_').find_map(|(at, _)| of_end(name, at)))
             .or_else(|| of_last_word(name)),
@@ -51,7 +52,7 @@ pub(super) fn of(name: &str) -> Option<Unit> {
 
 /// The unit that a column is called by; a letter or two say too little, and `in s` is none of a length.
 fn alone(name: &str) -> Option<Unit> {
-    Unit::named(name).filter(|_| name.chars().count() > 2 && !name.starts_with("in "))
+    parse(name).filter(|_| name.chars().count() > 2 && !name.starts_with("in "))
 }
 
 /// What a name states as its unit, in brackets or behind *in* or a bar, whether it is one or not.
@@ -70,7 +71,7 @@ pub(crate) fn stated(name: &str) -> Option<&str> {
         return None;
     }
     // A bar also divides two columns, or parts of a path.
-    let is_unit = |unit: &&str| Unit::named(unit).is_some();
+    let is_unit = |unit: &&str| parse(unit).is_some();
     let behind_bar = || name.match_indices('/').map(|(at, _)| name[at + 1..].trim()).find(is_unit);
     behind_bar().or_else(|| name.rsplit_once(", ").map(|(_, unit)| unit.trim()).filter(is_unit))
 }
@@ -80,7 +81,7 @@ fn of_end(name: &str, at: usize) -> Option<Unit> {
     let end = &name[at + 1..];
     let lower = end.to_lowercase();
     if let Some((_, unit)) = QUOTIENTS.iter().find(|(name, _)| *name == lower) {
-        return Unit::named(unit);
+        return parse(unit);
     }
     let is_letter = end.chars().count() == 1;
     let is_least = lower == "min" && !words(&name[..at]).iter().any(|word| TIMES.contains(&word.as_str()));
@@ -88,7 +89,7 @@ fn of_end(name: &str, at: usize) -> Option<Unit> {
     if is_letter && !LETTERS.contains(&end) || is_mechanical || is_least || OTHER_WORDS.contains(&lower.as_str()) {
         return None;
     }
-    Unit::named(end).or_else(|| Unit::named(&lower).filter(|_| end.len() > 2))
+    parse(end).or_else(|| parse(&lower).filter(|_| end.len() > 2))
 }
 
 /// A unit that the last word of a name is without an underscore: `SpeedRPM`, `speed rpm`, `motorCurrentMA` is none.
@@ -101,7 +102,7 @@ fn of_last_word(name: &str) -> Option<Unit> {
         (!before.is_alphanumeric() || before.is_lowercase() && begins.is_uppercase()).then_some(())
     };
     let found = ["krpm", "rpm", "rps", "deg"].iter().find(|unit| named(unit).is_some())?;
-    Unit::named(found)
+    parse(found)
 }
 
 #[cfg(test)]
@@ -143,8 +144,8 @@ mod tests {
             ("IQ_MA", "mA"),
             ("rad/s", "rad/s"),
         ] {
-            assert_eq!(Unit::of_column(name), Unit::named(unit), "{name}");
-            assert!(Unit::of_column(name).is_some(), "{name}");
+            assert_eq!(of(name), parse(unit), "{name}");
+            assert!(of(name).is_some(), "{name}");
         }
         for name in [
             "speed",
@@ -160,7 +161,7 @@ mod tests {
             "pos [inc]",
             "a/b",
         ] {
-            assert_eq!(Unit::of_column(name), None, "{name}");
+            assert_eq!(of(name), None, "{name}");
         }
     }
 

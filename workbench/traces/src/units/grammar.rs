@@ -9,7 +9,7 @@
 //! by a time is a speed of rotation in `1/min`, as data sheets write it; `1/s` is none, since it stands for turns and for
 //! radians. Effective values (`A rms`) are no unit: what is meant by them depends on the drive.
 
-use super::{DEGREE, Quantity, TURN, Unit};
+use super::unit::{DEGREE, Quantity, TURN, Unit};
 
 /// Exponents of angle, length, mass, time, current and temperature.
 type Dimension = [i8; 6];
@@ -159,7 +159,7 @@ struct Part {
 /// The unit that is written so.
 pub(super) fn parse(text: &str) -> Option<Unit> {
     let text = normal(text);
-    let temperature = |offset: f64, factor: f64| Unit { quantity: Quantity::Temperature, factor, offset };
+    let temperature = |offset: f64, factor: f64| Unit::new(Quantity::Temperature, factor, offset);
     match text.as_str() {
         "C" | "c" | "°C" | "degC" | "celsius" | "Celsius" | "Grad Celsius" | "deg C" | "℃" => {
             return Some(temperature(273.15, 1.0));
@@ -187,7 +187,7 @@ pub(super) fn parse(text: &str) -> Option<Unit> {
     let turns = if dimension == FREQUENCY && is_minute { TURN } else { 1.0 };
     let quantity = quantity(dimension).or((turns != 1.0).then_some(Quantity::AngularVelocity))?;
     let factor = factor * turns;
-    (factor > 0.0 && factor.is_finite()).then_some(Unit { quantity, factor, offset: 0.0 })
+    (factor > 0.0 && factor.is_finite()).then_some(Unit::new(quantity, factor, 0.0))
 }
 
 /// One spelling of signs that are written in several ways.
@@ -318,7 +318,7 @@ mod tests {
 
     /// Quantity and factor.
     fn of(text: &str) -> Option<(Quantity, f64)> {
-        parse(text).map(|unit| (unit.quantity, unit.factor))
+        parse(text).map(|unit| (unit.quantity, unit.to_base().0))
     }
 
     #[test]

@@ -4,68 +4,20 @@
 //! |---|---|
 //! | `grammar` | a unit as it is written: prefixes, factors, products, words of several languages |
 //! | `column` | where the name of a column has its unit |
+//! | `unit` | what is measured, and conversions |
 
 mod column;
 mod grammar;
+mod unit;
 
 pub(crate) use column::stated;
-
-/// What is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// Angle; base unit rad.
-    Angle,
-    /// Angular velocity; rad/s.
-    AngularVelocity,
-    /// Length; m.
-    Length,
-    /// Velocity; m/s.
-    Velocity,
-    /// Current; A.
-    Current,
-    /// Voltage; V.
-    Voltage,
-    /// Torque; N·m.
-    Torque,
-    /// Force; N.
-    Force,
-    /// Temperature; K.
-    Temperature,
-    /// Time; s.
-    Time,
-    /// Another one, such as an acceleration or a power.
-    Other,
-}
-
-/// A unit: a value times `factor`, plus `offset`, is in the base unit of its quantity.
-#[derive(Clone, Copy, Debug)]
-pub struct Unit {
-    /// What is measured in it.
-    pub quantity: Quantity,
-    factor: f64,
-    offset: f64,
-}
-
-const TURN: f64 = std::f64::consts::TAU;
-const DEGREE: f64 = TURN / 360.0;
-
-/// Relative difference of factors that are equal but for rounding.
-const ROUNDING: f64 = 1e-12;
+pub use unit::{Quantity, Unit};
 
 /// Usual names, as messages list them.
 const USUAL: [&str; 29] = [
     "rad", "mrad", "deg", "turn", "rad/s", "deg/s", "rpm", "turn/s", "m", "mm", "um", "in", "m/s", "mm/s", "A", "mA",
     "V", "mV", "Nm", "mNm", "N", "kN", "lbf", "K", "C", "F", "s", "ms", "us",
 ];
-
-use Quantity::{Angle, AngularVelocity, Length, Velocity};
-
-impl PartialEq for Unit {
-    fn eq(&self, other: &Self) -> bool {
-        let is_near = |one: f64, other: f64| (one - other).abs() <= ROUNDING * one.abs().max(other.abs());
-        self.quantity == other.quantity && is_near(self.factor, other.factor) && is_near(self.offset, other.offset)
-    }
-}
 
 impl Unit {
     /// The unit that is written so, such as `rpm`, `0.1 A`, `turn/4096`.
@@ -91,30 +43,6 @@ impl Unit {
     pub fn name(&self) -> &'static str {
         USUAL.iter().find(|name| Self::named(name).as_ref() == Some(self)).copied().unwrap_or_default()
     }
-
-    /// Factor and offset to the base unit of its quantity.
-    #[must_use]
-    pub const fn to_base(&self) -> (f64, f64) {
-        (self.factor, self.offset)
-    }
-
-    /// Factor and offset from this unit to another one; `None` if they measure different quantities.
-    #[must_use]
-    pub fn to(&self, other: &Self) -> Option<(f64, f64)> {
-        let same = self.quantity == other.quantity;
-        same.then(|| (self.factor / other.factor, (self.offset - other.offset) / other.factor))
-    }
-
-    /// The unit of the integral over time in seconds, if the integral is another quantity.
-    #[must_use]
-    pub fn integral(&self) -> Option<Self> {
-        let quantity = match self.quantity {
-            AngularVelocity => Angle,
-            Velocity => Length,
-            _ => return None,
-        };
-        Some(Self { quantity, ..*self })
-    }
 }
 
 /// The usual names, for messages.
@@ -125,7 +53,9 @@ pub fn known() -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::unit::TURN;
     use super::*;
+    use Quantity::{Angle, Length};
 
     #[test]
     fn conversions_have_factor_and_offset() {
