@@ -31,7 +31,7 @@ const UNREAD: [&str; 25] = [
 ];
 
 /// Whether a file may be a recording of a format that is not read.
-fn is_unread(file: &Path) -> bool {
+fn is_foreign(file: &Path) -> bool {
     let extension = file.extension().map(|own| own.to_string_lossy().to_lowercase());
     extension.is_some_and(|own| UNREAD.contains(&own.as_str()))
 }
@@ -72,14 +72,15 @@ impl Listing {
                 files.push((path.clone(), false));
                 continue;
             }
-            let takes = |file: &Path| is_known(file) || is_unread(file);
+            let takes = |file: &Path| is_known(file) || is_foreign(file);
             let mut walked = Walk { links: true, takes: &takes, skips: &reason_to_skip }.of(path)?;
             left_out.extend(walked.skipped.iter().map(ToString::to_string));
             let unread: Vec<PathBuf> = walked.files.extract_if(.., |file| !is_known(file)).collect();
             left_out.extend(without(unread.iter(), "of a format that is not read; save it as CSV, MATLAB or Parquet"));
             // A folder may be given beside one that it is in.
             let new = walked.files.into_iter().filter(|file| !given.contains(&whole(file)) && seen.insert(whole(file)));
-            let (own, labels): (Vec<PathBuf>, Vec<PathBuf>) = new.partition(|file| is_trace(file));
+            let (own, labels): (Vec<PathBuf>, Vec<PathBuf>) =
+                new.partition(|file| is_trace(file) || crate::table::is_unread(file));
             let (features, own): (Vec<PathBuf>, Vec<PathBuf>) = own.into_iter().partition(|file| is_part(file));
             let below: Vec<&PathBuf> = labels.iter().filter(|file| file.parent() != Some(path)).collect();
             left_out.extend(without(below.into_iter(), "labels, no recording"));
