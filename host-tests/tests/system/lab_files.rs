@@ -8,6 +8,8 @@ use model::session::{Log, Quiet};
 use model::settings::Data;
 use traces::audit::Audit;
 use traces::describe::{Asked, describe};
+use traces::reader::{Series, numeric, series};
+use traces::table::Table;
 
 /// What a folder has to give.
 enum Right {
@@ -111,5 +113,51 @@ fn faults_of_the_angle_are_found_in_recordings() {
         let findings = findings_of(name);
         assert!(findings.contains(words), "{name}: {findings}");
         assert!(findings.lines().count() <= 2, "{name}: {findings}");
+    }
+}
+
+/// The names of the columns of numbers of a reported file, and its only trace.
+fn reported(path: &Path) -> (Vec<String>, Series) {
+    let table = Table::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let (names, _) = numeric(&table, None).expect("columns");
+    let mut all = series(&table, (None, None), &names).expect("rows");
+    assert_eq!(all.len(), 1, "{}", path.display());
+    (names, all.remove(0))
+}
+
+#[test]
+fn reported_files_have_their_columns_and_rows() {
+    let Some(files) = data("field_reports") else { return };
+    for (file, columns, rows, last_s) in [
+        ("twincat_grouped/real_grouped_decimal_comma.csv", 21, 631, Some(0.126)),
+        ("twincat_grouped/real_pairs_one_rate_semicolon.csv", 19, 377, Some(0.376)),
+        ("odrive_characterization/chirp1.csv", 4, 387, None),
+        ("quoted_newline/m.csv", 2, 99, Some(0.049)),
+        ("octave_text/m.txt", 2, 400, Some(0.399)),
+    ] {
+        let (names, series) = reported(&files.join(file));
+        assert_eq!((names.len(), series.columns[0].len()), (columns, rows), "{file}: {names:?}");
+        let last = series.times_s.as_ref().and_then(|times| times.last().copied());
+        assert!(last.zip(last_s).map_or(last == last_s, |(own, told)| (own - told).abs() < 1e-9), "{file}: {last:?}");
+    }
+}
+
+#[test]
+fn reported_files_have_their_rate() {
+    let Some(files) = data("field_reports") else { return };
+    for (file, expected) in [
+        ("preamble_abtastrate_comma_khz/m.csv", 12_500.0),
+        ("preamble_de_thousand/m.csv", 8000.0),
+        ("preamble_delta_x/m.csv", 8000.0),
+        ("preamble_downs/m.csv", 2000.0),
+        ("preamble_elmo_usec/EASII_rec.csv", 10_000.0),
+        ("lvm/run2_8kHz.lvm", 8000.0),
+        ("rate_of_rounded_times/m.csv", 8192.0),
+    ] {
+        let (names, series) = reported(&files.join(file));
+        let times_s = series.times_s.unwrap_or_else(|| panic!("{file}: no times"));
+        let rate = (times_s.len() - 1) as f64 / (times_s[times_s.len() - 1] - times_s[0]);
+        assert!((rate / expected - 1.0).abs() < 1e-6, "{file}: {rate}");
+        assert!(!file.ends_with("lvm") || names == ["Current [A]", "Velocity [rad/s]", "Position [rad]"], "{names:?}");
     }
 }

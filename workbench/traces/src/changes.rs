@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A cell that is empty may also be a value that is lost. The log is one of changes if many cells are empty, no value
-//! comes twice in a row, and the values are so coarse that some would: their usual step is a few of the smallest one, or
-//! each of them comes several times.
+//! comes twice in a row, and the values are so coarse that some would: their usual step is a few of the smallest one,
+//! or each of them comes several times.
 
 use model::trace::median;
 

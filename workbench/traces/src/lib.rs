@@ -73,8 +73,8 @@ use table::Table;
 
 /// Reads every trace of the given files and folders.
 ///
-/// In a folder and those below it, the files of known formats with the wanted columns are read (others, for example labels or parameter
-/// tables, are skipped); a file given directly must have the columns.
+/// In a folder and those below it, the files of known formats with the wanted columns are read (others, for example
+/// labels or parameter tables, are skipped); a file given directly must have the columns.
 ///
 /// # Errors
 /// Unreadable files; missing columns; ragged rows; cells that are neither numbers nor missing; a channel without a
@@ -217,7 +217,7 @@ impl Gathered {
     }
 }
 
-/// Reads the wanted traces of files; what labels do not name is told by who reads them.
+/// Reads the wanted traces of files. The caller says which files have no label.
 fn read_files(
     (paths, names): (&[PathBuf], Option<&TraceNames>),
     channels: &Channels,

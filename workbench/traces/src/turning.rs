@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use crate::signal::{Role, Signal};
 use crate::units::{Quantity, Unit};
-use model::audit::scale::{slope_by_velocity, wraps_at};
+use model::audit::scale::{are_whole, slope_by_velocity, wraps_at};
 use model::trace::words;
 
 /// Words of names of electrical angles and speeds.
@@ -55,14 +55,20 @@ impl Channel {
 
     /// The values of the column in rad or rad/s; where the unit is a question, as they are.
     pub(crate) fn values(&self, column: &Column<'_>) -> Vec<f64> {
-        let text = self.text.replace("[turn/?]", "").replace("[?]", "").replace("/?", "");
         let role = if self.is_angle { Role::Angle } else { Role::Velocity };
+        let text = answered(&self.text, self.is_angle);
         let names = [column.name.to_string()];
         let signal = Signal::of_role(&text, &names, role).or_else(|_| Signal::parse(column.name, &names));
         let rows = column.values.len();
         signal
             .map_or_else(|_| column.values.to_vec(), |signal| signal.values(rows, &|_| column.values, &|_, _| f64::NAN))
     }
+}
+
+/// A channel with an answer in the place of each question: the base unit, and one pole pair.
+pub(crate) fn answered(text: &str, is_angle: bool) -> String {
+    let unit = if is_angle { "[rad]" } else { "[rad/s]" };
+    text.replace("[turn/?]", unit).replace("[?]", unit).replace("/?", "/1")
 }
 
 /// Angle and velocity, and how they contradict each other.
@@ -262,9 +268,7 @@ impl Kind {
 /// An angle that does not begin anew after one turn in its unit.
 fn wrong_turn(known: &Known, period: f64) -> Option<String> {
     let turns = period * known.factor / TAU;
-    // An encoder of several turns begins anew after them.
-    let is_whole = turns > 0.5 && (turns / turns.round() - 1.0).abs() < OFF;
-    (!is_whole).then(|| {
+    (!are_whole(turns)).then(|| {
         format!(
             "the angle begins anew at {period:.4}, which is {turns:.4} turns in {}: another unit, or a gear?",
             known.unit

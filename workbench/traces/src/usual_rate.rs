@@ -4,8 +4,8 @@
 //! least and largest rate that rounded times allow ─► the usual rate between them, if it is no coincidence
 //! ```
 //!
-//! A rate of few digits lies in an interval of the relative width w by chance with about w·10ⁿ for n digits. It is taken
-//! only where this is small.
+//! A rate of few digits lies in an interval of the relative width w by chance with about w·10ⁿ for n digits. It is
+//! taken only where this is small.
 
 /// Rows a second that a recording of a drive may have.
 const PLAUSIBLE_HZ: [f64; 2] = [5.0, 2e6];

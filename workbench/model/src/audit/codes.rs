@@ -9,8 +9,8 @@
 /// Widths of all values but the outermost hundredth, and the largest part of rows that are rare.
 const WIDTHS: f64 = 20.0;
 const RARE: f64 = 0.01;
-/// Fewest rows that are looked at, and largest part of the rows that are usual codes, or other values: a tenth of the rows
-/// is a state of the machine.
+/// Fewest rows that are looked at, and largest part of the rows that are usual codes, or other values: a tenth of the
+/// rows is a state of the machine.
 const FEWEST: usize = 100;
 const MOST: f64 = 0.5;
 const MOST_OTHERS: f64 = 0.05;

@@ -83,8 +83,8 @@ fn beside(rate_hz: f64) -> Vec<f64> {
     (-steps..=steps).map(|k| rate_hz * (1.0 + STEP * f64::from(k))).collect()
 }
 
-/// The same where no rate is known, by the starts of some traces: of the rates of recordings of drives, and then of those
-/// beside the sharpest one.
+/// The same where no rate is known, by the starts of some traces: of the rates of recordings of drives, and then of
+/// those beside the sharpest one.
 #[must_use]
 pub fn rate_anywhere(traces: &[(&[f64], &[f64])]) -> Option<(f64, f64)> {
     let starts: Vec<(&[f64], &[f64])> = traces
@@ -97,10 +97,10 @@ pub fn rate_anywhere(traces: &[(&[f64], &[f64])]) -> Option<(f64, f64)> {
     let (near, _) = sharpest(&starts, &rates, EVERY)?;
     // At a multiple of the rate lines of the orders 1, 2 … are those of multiples: the lowest of equals is the rate.
     let at = |k: u32| sharpest(&starts, &beside(near / f64::from(k)), EVERY);
-    let found: Vec<(f64, f64)> = (1..=MULTIPLES).rev().filter_map(at).collect();
-    let most = found.iter().map(|(_, sharpness)| sharpness.ln()).fold(0.0, f64::max);
+    let sharpest_of: Vec<(f64, f64)> = (1..=MULTIPLES).rev().filter_map(at).collect();
+    let most = sharpest_of.iter().map(|(_, sharpness)| sharpness.ln()).fold(0.0, f64::max);
     let is_as_sharp = |sharpness: f64| sharpness > SHARP && sharpness.ln() > AS_SHARP * most;
-    found.into_iter().find(|(_, sharpness)| is_as_sharp(*sharpness))
+    sharpest_of.into_iter().find(|(_, sharpness)| is_as_sharp(*sharpness))
 }
 
 /// The sharpest of these rates by one row in `every`, and how much sharper it is than the typical one.

@@ -1,4 +1,4 @@
-//! What the values of an angle tell of its unit: where it begins anew, and how far it turns for its velocity.
+//! The unit of an angle by its values: the value at which it wraps, and the ratio of its slope to a velocity.
 //!
 //! ```text
 //! W   the value by which the angle goes back where it begins anew: median of |d_k| + what the neighbours move      (1)
@@ -15,12 +15,14 @@ const SLOW: f64 = 0.2;
 /// Fewest steps back, and largest difference of their sizes.
 const FEWEST: usize = 2;
 const ALIKE: f64 = 0.02;
-/// Windows of (2) at least, and one of an angle that begins anew as a part of its turn: an angle that is filtered across
-/// its wrap has some wrong windows. The motion of one as a part of the largest one, and fewest that move so far.
+/// Windows of (2) at least, and one of an angle that begins anew as a part of its turn: an angle that is filtered
+/// across its wrap has some wrong windows. The motion of one as a part of the largest one, and fewest that move so far.
 const WINDOWS: usize = 60;
 const PART: f64 = 0.25;
 const MOVES: f64 = 0.3;
 const FEWEST_WINDOWS: usize = 6;
+/// Difference from whole turns that is none.
+const WHOLE: f64 = 0.05;
 /// Scatter of the ratios up to which they are one ratio.
 const SCATTER: f64 = 0.1;
 
@@ -51,6 +53,13 @@ pub fn wraps_at(angle: &[f64]) -> Option<f64> {
 /// The median distance from a value.
 fn scatter(x: &[f64], center: f64) -> f64 {
     median(x.iter().map(|x| (x - center).abs()).collect::<Vec<_>>())
+}
+
+/// Whether an angle that begins anew after so many turns does so after whole ones, as one of an encoder of several
+/// turns does.
+#[must_use]
+pub fn are_whole(turns: f64) -> bool {
+    turns > 0.5 && (turns / turns.round() - 1.0).abs() < WHOLE
 }
 
 /// Least and largest value, if there are two.

@@ -3,40 +3,50 @@
 use super::{clipped, phases};
 use crate::statistics::mean_sd;
 
-/// Letters of the phases.
-const PHASES: [[&str; 3]; 3] = [["a", "b", "c"], ["u", "v", "w"], ["1", "2", "3"]];
-/// Words that the name of a current begins with, before or behind the letter of its phase.
-const WORDS: [&str; 4] = ["i", "current", "phase", "iphase"];
+/// Letters of the phases, and the numbers, which also count axes.
+const LETTERS: [[&str; 3]; 4] = [["a", "b", "c"], ["u", "v", "w"], ["r", "s", "t"], ["l1", "l2", "l3"]];
+const NUMBERS: [&str; 3] = ["1", "2", "3"];
+/// Words that the name of a current begins with, before the letter of its phase.
+const WORDS: [&str; 5] = ["i", "current", "strom", "phase", "iphase"];
 /// Parts of the currents' deviation that the mean of the sum and its deviation may have.
 const OFFSET: f64 = 0.05;
 const PART: f64 = 0.1;
 
-/// The places of the three currents among columns with these names, by names such as `ia_A`, `i_u`, `phase_a_a`.
-fn places(names: &[String]) -> Option<[usize; 3]> {
-    let bare = |name: &String| -> String {
+/// The places of at least so many of three currents among columns with these names, by names such as `ia_A`, `i_u`,
+/// `phase_a_a`.
+fn places(names: &[String], phases: &[&str; 3], least: usize) -> Option<Vec<usize>> {
+    // The last letter may be a unit behind a name that still tells the phase.
+    let plain = |name: &String| {
         let lower = name.to_lowercase();
         let end = lower
             .rfind(['_', '[', '(', ' '])
             .filter(|at| matches!(lower[*at..].trim_matches(['_', '[', ']', '(', ')', ' ']), "a" | "ma"));
-        // A unit behind a name that still tells the phase.
         let without = end.map(|at| &lower[..at]).filter(|rest| rest.len() > 1).unwrap_or(&lower);
-        without.chars().filter(|c| c.is_alphanumeric()).collect()
+        [without, &lower].map(|text| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>())
     };
-    let names: Vec<String> = names.iter().map(bare).collect();
-    let place = |wanted: String| names.iter().position(|name| *name == wanted);
-    PHASES.iter().find_map(|letters| {
-        WORDS.iter().find_map(|word| {
-            let [a, b, c] = letters.map(|letter| place(format!("{word}{letter}")));
-            Some([a?, b?, c?])
-        })
+    let names: Vec<[String; 2]> = names.iter().map(plain).collect();
+    let place = |wanted: String| {
+        let is_so = |form: usize| names.iter().position(|forms| forms[form] == wanted);
+        is_so(0).or_else(|| is_so(1))
+    };
+    WORDS.iter().find_map(|word| {
+        let found: Vec<usize> = phases.iter().filter_map(|phase| place(format!("{word}{phase}"))).collect();
+        (found.len() >= least).then_some(found)
     })
+}
+
+/// The places of two or three phase currents among columns with these names.
+#[must_use]
+pub fn phase_currents(names: &[String]) -> Vec<usize> {
+    LETTERS.iter().find_map(|phases| places(names, phases, 2)).unwrap_or_default()
 }
 
 /// What is wrong with the phase currents among these columns; the angle of the shaft, rad, and the rate of the rows, if
 /// they are known.
 #[must_use]
 pub fn findings(names: &[String], columns: &[&[f64]], motion: Option<(&[f64], f64)>) -> Vec<String> {
-    let Some(places) = places(names) else { return vec![] };
+    let three = |phases: &[&str; 3]| places(names, phases, 3)?.try_into().ok();
+    let Some::<[usize; 3]>(places) = LETTERS.iter().chain([&NUMBERS]).find_map(three) else { return vec![] };
     let by_place = places.map(|place| columns[place]);
     let levels = (0..3).filter_map(|own| {
         let [one, other] = [(own + 1) % 3, (own + 2) % 3].map(|k| by_place[k]);

@@ -11,7 +11,8 @@ const SCATTERED: f64 = 0.15;
 /// What was found in the times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
-    /// Rows a second: one over the median step, or over the mean of those that are no gaps where that is clearly another.
+    /// Rows a second: one over the median step, or over the mean of those that are no gaps where that is clearly
+    /// another.
     pub rate_hz: f64,
     /// Standard deviation of the steps that are no gaps, relative to the usual one.
     pub jitter: f64,

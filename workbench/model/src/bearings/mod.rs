@@ -106,11 +106,11 @@ pub fn find(text: &str) -> Result<Vec<&'static Row>, Vec<&'static str>> {
     let designation =
         rows().iter().map(|own| own.designation).filter(|own| is_of(own, &key)).max_by_key(|own| own.len());
     let Some(designation) = designation else { return Err(near(&key)) };
-    let mut found: Vec<&Row> = rows().iter().filter(|own| own.designation == designation).collect();
+    let mut alike: Vec<&Row> = rows().iter().filter(|row| row.designation == designation).collect();
     if let Some(maker) = maker {
-        found.sort_by_key(|own| !own.maker.eq_ignore_ascii_case(&maker));
+        alike.sort_by_key(|row| !row.maker.eq_ignore_ascii_case(&maker));
     }
-    Ok(found)
+    Ok(alike)
 }
 
 /// The maker, if it is named, and the designation in capitals, without marks between its parts.

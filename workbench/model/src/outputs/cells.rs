@@ -23,9 +23,22 @@ pub fn text_of(cell: &str) -> &str {
     cell.strip_prefix('\'').filter(|text| is_formula(text.trim_start_matches('\''))).unwrap_or(cell)
 }
 
+/// A number with at most so many digits behind the point.
+#[must_use]
+pub fn trimmed(number: f64, decimals: usize) -> String {
+    let text = format!("{number:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_end_with_no_zero_behind_the_point() {
+        let of = |number, decimals| trimmed(number, decimals);
+        assert_eq!([of(39.04, 2), of(10.0, 2), of(120.0, 0), of(0.5, 6)], ["39.04", "10", "120", "0.5"]);
+    }
 
     #[test]
     fn formulas_become_text_and_come_back() {

@@ -7,7 +7,7 @@ mod staged;
 #[cfg(all(test, unix))]
 mod tests;
 
-pub use cells::{cell, text_of};
+pub use cells::{cell, text_of, trimmed};
 pub use exports::{Exported, Exports};
 pub use files::{plan, temporary, write, write_all};
 pub use staged::{Staged, folder_of};

@@ -6,7 +6,7 @@ use crate::Error;
 use crate::audit::angle::velocity_ratio;
 use crate::audit::column::Column;
 use crate::audit::held::{held, too_slow};
-use crate::audit::scale::{slope_by_velocity, wraps_at};
+use crate::audit::scale::{are_whole, slope_by_velocity, wraps_at};
 use crate::trace::{Channels, Trace, is_reference};
 
 /// Returns an error if samples of a trace are missing: batch methods that filter or simulate signals need all of them.
@@ -75,8 +75,8 @@ pub fn contradictory<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) -> Opt
 /// # Errors
 /// It is.
 pub fn refuse_scale<'a>(traces: impl Iterator<Item = &'a Trace>) -> Result<(), Error> {
-    /// Differences of the ratio from 1 that are no error of a gain, and of a turn from a whole one.
-    const OFF: [f64; 2] = [0.5, 0.05];
+    /// Ratios from which on, and up to whose inverse, a gain may be wrong.
+    const OFF: f64 = 0.5;
     let (mut count, mut first): (usize, Option<(&str, String)>) = (0, None);
     let mut all = 0;
     for trace in traces {
@@ -84,10 +84,9 @@ pub fn refuse_scale<'a>(traces: impl Iterator<Item = &'a Trace>) -> Result<(), E
         all += 1;
         let rate_hz = trace.interval_s.map_or(f64::NAN, |interval_s| 1.0 / interval_s);
         let period = wraps_at(&motion.angle_rad);
-        let turns = period.map_or(1.0, |period| period / TAU);
-        let is_whole = turns > OFF[0] && (turns / turns.round() - 1.0).abs() < OFF[1];
+        let is_whole = period.is_none_or(|period| are_whole(period / TAU));
         let times = slope_by_velocity(&motion.angle_rad, &motion.velocity_rad_s, rate_hz, period);
-        let problem = match times.filter(|times| !(OFF[0]..1.0 / OFF[0]).contains(times)) {
+        let problem = match times.filter(|times| !(OFF..1.0 / OFF).contains(times)) {
             Some(times) if times < 0.0 => {
                 format!("the angle turns {times:.4} times as far as the velocity says: the sign")
             }
@@ -122,9 +121,9 @@ pub fn codes<'a>(traces: impl Iterator<Item = &'a Trace>) -> Option<String> {
         };
         Some((trace.id.as_str(), signals.into_iter().find_map(told)?))
     };
-    let found: Vec<(&str, String)> = traces.filter_map(of_trace).collect();
-    let (first, what) = found.first()?;
-    Some(format!("{} traces have values that are no measurements, first {first}: {what}", found.len()))
+    let coded: Vec<(&str, String)> = traces.filter_map(of_trace).collect();
+    let (first, what) = coded.first()?;
+    Some(format!("{} traces have values that are no measurements, first {first}: {what}", coded.len()))
 }
 
 /// Whether more than 2 % of the steps are off by a tenth.

@@ -27,7 +27,8 @@ pub trait TraceSource: std::fmt::Debug + Send + Sync {
         wanted: &(dyn Fn(&str) -> bool + Sync),
     ) -> Result<Vec<TemperatureColumn>, Error>;
 
-    /// What is left out, in lines: files without these channels, and records of which labels with these names have none.
+    /// What is left out, in lines: files without these channels, and records of which labels with these names have
+    /// none.
     ///
     /// # Errors
     /// A folder that cannot be read.

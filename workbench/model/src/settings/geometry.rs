@@ -13,6 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::merge::Given;
 use crate::bearings::{Row, find};
+use crate::outputs::trimmed;
 
 /// Largest angle that is taken as one in rad.
 const MOST_RAD: f64 = 1.05;
@@ -136,8 +137,7 @@ fn size(row: &Row) -> String {
 
 /// A number with at most two digits behind the point.
 fn short(number: f64) -> String {
-    let text = format!("{number:.2}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
+    trimmed(number, 2)
 }
 
 fn of_numbers(balls: f64, ball: f64, pitch: f64, contact: f64) -> Result<Known, String> {

@@ -149,7 +149,8 @@ mod tests {
         own.orders().map(|all| all.into_iter().map(|(_, order)| order).collect()).map_err(|error| error.to_string())
     }
 
-    /// Published by the bearing data centre of CWRU: 5.4152 inner, 3.5848 outer, 0.39828 cage, 4.7135 = 2 times the ball.
+    /// Published by the bearing data centre of CWRU: 5.4152 inner, 3.5848 outer, 0.39828 cage, 4.7135 = 2 times the
+    /// ball.
     #[test]
     fn orders_of_a_6205_are_the_published_ones() {
         for bearing in ["6205", "SKF 6205-2RS JEM", "9,7.94,39.04,0"] {

@@ -1,5 +1,6 @@
 //! A figure in words, for readers who hear it: its title, its axis, and the range of each series.
 
+use model::outputs::trimmed;
 use serde_json::Value;
 
 /// Series that are named; further ones are counted.
@@ -45,8 +46,7 @@ fn short(value: f64) -> String {
         _ if size > 0.0 && !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),
         _ => {
             let decimals = (2.0 - size.max(1e-3).log10().floor()).clamp(0.0, 5.0) as usize;
-            let text = format!("{value:.decimals$}");
-            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+            trimmed(value, decimals)
         }
     };
     text.replace('-', "−")

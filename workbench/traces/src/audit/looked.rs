@@ -57,7 +57,8 @@ impl Chosen {
         Ok(Self { names, likely, channels, by_values, left_out })
     }
 
-    /// Angle and velocity with the units that their values tell; the columns are found by their names.
+    /// What tells the units of angle and velocity, and their values in the place of the channels where no name tells
+    /// the unit; the columns are found by their names.
     fn turning<'a>(
         &'a self,
         of_name: &dyn Fn(&str) -> Option<&'a [f64]>,
@@ -72,8 +73,10 @@ impl Chosen {
         let angle = turned(self.by_values[0], &self.likely.angle, angle, "angle_rad");
         let velocity = turned(self.by_values[1], &self.likely.velocity, velocity, "velocity_rad_s");
         let turning = Turning::of(angle, velocity, rate_hz);
-        let values = [(&turning.angle, angle), (&turning.velocity, velocity)]
-            .map(|(channel, column)| channel.as_ref().zip(column).map(|(channel, column)| channel.values(&column)));
+        let values = [(&turning.angle, angle), (&turning.velocity, velocity)].map(|(channel, column)| {
+            let channel = channel.as_ref().filter(|channel| channel.said.is_some());
+            channel.zip(column).map(|(channel, column)| channel.values(&column))
+        });
         (turning, values)
     }
 }
@@ -95,11 +98,12 @@ pub(super) fn look(table: &Table, settings: &Settings, given: &Signals) -> Resul
         let values = all[..names.len()].to_vec();
         let used: Vec<Arc<Vec<f64>>> = chosen.channels.iter().flatten().filter_map(of_name).cloned().collect();
         let missing = Audited::missing(times.as_ref(), &values, &used);
-        let [current, _, _, velocity_ref, load] =
+        let [current, velocity, angle, velocity_ref, load] =
             std::array::from_fn(|k| chosen.channels[k].as_ref().and_then(of_name).map(whole));
         let slice = |name: &str| Some(all[channels.iter().position(|own| own == name)?].as_slice());
         let rate_hz = times.map(|times| times.rate_hz).or(rate_hz);
-        let (turning, [angle, velocity]) = chosen.turning(&slice, rate_hz);
+        let (turning, told) = chosen.turning(&slice, rate_hz);
+        let [angle_told, velocity_told] = told.map(|values| values.map(|values| whole(&Arc::new(values))));
         Audited {
             id: trace_name(&series.id).into_owned(),
             names: names.clone(),
@@ -110,8 +114,8 @@ pub(super) fn look(table: &Table, settings: &Settings, given: &Signals) -> Resul
             columns: values.iter().map(|column| Column::of(column)).collect(),
             values,
             current,
-            velocity: velocity.map(|own| whole(&Arc::new(own))),
-            angle: angle.map(|own| whole(&Arc::new(own))),
+            velocity: velocity_told.or(velocity),
+            angle: angle_told.or(angle),
             turning,
             velocity_ref,
             load,

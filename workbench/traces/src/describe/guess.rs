@@ -1,6 +1,7 @@
 //! Which column is which signal, by names and units.
 
 use crate::units::{Quantity, Unit};
+use model::audit::sums::phase_currents;
 use model::trace::{is_reference, words};
 
 /// Channels that were found, each a column.
@@ -70,34 +71,10 @@ pub(crate) fn is_label(name: &str) -> bool {
         || words.last().is_some_and(|word| ["label", "class"].contains(&word.as_str()))
 }
 
-/// The columns of phase currents: two or three of a set of phases.
-fn phases(names: &[String]) -> Vec<String> {
-    /// Beginnings of names, and phases.
-    const OF: [&str; 6] = ["i", "current", "phase", "strom", "iphase", "ph"];
-    const SETS: [[&str; 3]; 4] = [["a", "b", "c"], ["u", "v", "w"], ["r", "s", "t"], ["l1", "l2", "l3"]];
-    let plain = |name: &String| {
-        let name = name.split(['[', '(']).next().unwrap_or_default().to_lowercase();
-        let bare = name.strip_suffix("_a").filter(|rest| rest.len() > 1).unwrap_or(&name).to_string();
-        let compact = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>();
-        [compact(&name), compact(&bare)]
-    };
-    let all: Vec<[String; 2]> = names.iter().map(plain).collect();
-    for of in OF {
-        for set in SETS {
-            let of_phase = |phase: &str| all.iter().position(|own| own.contains(&format!("{of}{phase}")));
-            let found: Vec<usize> = set.iter().filter_map(|phase| of_phase(phase)).collect();
-            if found.len() >= 2 {
-                return found.into_iter().map(|place| names[place].clone()).collect();
-            }
-        }
-    }
-    vec![]
-}
-
 impl Guess {
     /// By the names of columns of numbers.
     pub(crate) fn of(names: &[String]) -> Self {
-        let phases = phases(names);
+        let phases: Vec<String> = phase_currents(names).into_iter().map(|place| names[place].clone()).collect();
         let best = |parts: &[&str], reference: bool, refused: &[Quantity]| {
             let fits = |name: &&String| {
                 Unit::of_column(name).is_none_or(|unit| !refused.contains(&unit.quantity))
@@ -113,13 +90,13 @@ impl Guess {
         let angle_as = [&of_motion[..], &[AngularVelocity, Velocity, Length]].concat();
         let moving = [AngularVelocity, Velocity, Angle, Length];
         let current_as = [&moving[..], &[Torque, Force, Voltage, Other]].concat();
-        // A name may say nothing but its unit: q_A.
+        // Of some currents the name has no other word than the unit: q_A.
         let in_amperes = |name: &&String| {
             Unit::of_column(name).is_some_and(|unit| unit.quantity == Current)
                 && !(phases.contains(name)
                     || is_label(name)
                     || is_reference(name)
-                    || words(name).contains(&"d".to_string()))
+                    || words(name).iter().any(|word| word == "d"))
         };
         let current = best(&CURRENT, false, &current_as).or_else(|| names.iter().find(in_amperes).cloned());
         let load = best(&LOAD, false, &[&moving[..], &[Current, Voltage, Other]].concat())

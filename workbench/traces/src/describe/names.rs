@@ -227,7 +227,7 @@ fn classes(names: &[Name]) -> (Vec<String>, Told) {
     }
 }
 
-/// The class of a file beside others whose classes are told.
+/// The class of a file in the folder of files whose classes are known.
 const UNNAMED: &str = "unnamed";
 
 /// The folder that is the class of each file, if folders tell classes: that with words of health or damage, or else all

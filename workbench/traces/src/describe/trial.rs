@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::found::Found;
-use super::values::{LEAST_SAMPLES, SEGMENTS, Values};
+use super::values::{LEAST_SAMPLES, SEGMENTS, UNTIL_A_BEARING, Values, mean_and_rms};
 use crate::given::{Memory, given};
 use crate::naming::whole_name;
 use model::session::{Log, Quiet, Session};
@@ -116,9 +116,7 @@ const CHANGES: [(&str, Change); 10] = [
     ("mean and rms of the current, until a bearing is given", |found, own| {
         let current = found.proposal.guess.current.as_ref().filter(|current| !current.contains('('));
         let (Some(current), false) = (current, own.values.contains_key("features")) else { return false };
-        let names = ["mean", "rms"].map(|word| literal(&format!("{word}_{current}")));
-        let why = "with a bearing, leave this line out: its orders are then the features";
-        own.values.insert("features", format!("[{}]  # {why}", names.join(", ")));
+        own.values.insert("features", format!("{}  # {UNTIL_A_BEARING}", mean_and_rms(current)));
         true
     }),
     ("a lower order", |found, own| {
@@ -145,8 +143,7 @@ const CHANGES: [(&str, Change); 10] = [
     }),
     ("mean and rms of one channel", |found, own| {
         let Some(y) = found.proposal.y.as_ref().filter(|y| found.names.contains(y)) else { return false };
-        let names = ["mean", "rms"].map(|word| literal(&format!("{word}_{y}")));
-        own.values.insert("features", format!("[{}]", names.join(", ")));
+        own.values.insert("features", mean_and_rms(y));
         true
     }),
     ("the mean of one channel", |found, own| {

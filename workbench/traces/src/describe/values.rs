@@ -8,6 +8,7 @@ use super::guess::Guess;
 use super::names::{HEALTHY, REFERENCE, is_healthy};
 use super::proposal::Proposal;
 use crate::reader;
+use crate::turning::answered;
 use crate::units::Unit;
 use model::settings::{Data, from_here, literal as text};
 use model::trace::TextForm;
@@ -20,6 +21,15 @@ const GROUPS: [&str; 6] = ["run", "session", "unit", "drive", "day", "batch"];
 /// Segments of a few long recordings, and the least samples of one.
 pub(super) const SEGMENTS: usize = 40;
 pub(super) const LEAST_SAMPLES: usize = 200;
+
+/// What is said of features that stand for those of a bearing.
+pub(super) const UNTIL_A_BEARING: &str = "With a bearing, leave this line out: its orders are then the features";
+
+/// Mean and rms of a channel as features.
+pub(super) fn mean_and_rms(channel: &str) -> String {
+    let names = ["mean", "rms"].map(|word| text(&format!("{word}_{channel}")));
+    format!("[{}]", names.join(", "))
+}
 
 /// The value of each key that is known, and for keys that are left out why.
 #[derive(Clone, Default)]
@@ -43,12 +53,11 @@ impl Values {
     /// These values with an answer in the place of each question about a unit or a number, so that the others can be
     /// tried.
     pub(super) fn answered(&self) -> Self {
-        let mut answered = self.clone();
-        for (key, value) in &mut answered.values {
-            let unit = if *key == "angle" && !value.contains("integrate(") { "[rad]" } else { "[rad/s]" };
-            *value = value.replace("[?]", unit).replace("/?", "/2");
+        let mut tried = self.clone();
+        for (key, value) in &mut tried.values {
+            *value = answered(value, *key == "angle" && !value.contains("integrate("));
         }
-        answered
+        tried
     }
 
     fn channel(&mut self, key: &'static str, found: &Option<String>) {
@@ -170,17 +179,16 @@ impl Values {
         if count >= fewest(features) {
             return;
         }
-        // More classes need more features than a gate of few records allows; of healthy records with an angle training
-        // chooses as many as there is support for.
+        // More classes need more features than a gate of few records allows. From healthy records with an angle
+        // training chooses as many features as their number allows.
         let chosen = self.values.contains_key("angle") && classes.len() == 1;
         match current.filter(|_| count >= fewest(2) && classes.len() < 3 && !chosen) {
             Some(current) => {
                 let why = format!(
-                    "{count} healthy {what} support a gate of two features; of {features}, {}. With a bearing, leave \
-                     this line out: its orders are then the features",
+                    "{count} healthy {what} support a gate of two features; of {features}, {}. {UNTIL_A_BEARING}",
                     fewest(features)
                 );
-                self.values.insert("features", format!("[\"mean_{current}\", \"rms_{current}\"]  # {why}"));
+                self.values.insert("features", format!("{}  # {why}", mean_and_rms(&current)));
             }
             None if classes.len() > 1 => {
                 self.values.remove("healthy");

@@ -175,7 +175,7 @@ fn long_unit(unit: &str) -> Option<&'static str> {
 
 /// Whether the first `used` cells of a line are units, or words that stand for none.
 fn is_units(cells: &[&str], used: usize) -> bool {
-    let is_unit = |cell: &str| Unit::named(cell).is_some() || long_unit(cell).is_some();
+    let is_unit = |cell: &str| Unit::named(cell).is_some();
     let filler = [
         "", "-", "1", "%", "value", "values", "unit", "units", "einheit", "sequence", "none", "bool", "counts",
         "count", "w", "hz", "ohm", "date", "datetime",

@@ -191,30 +191,3 @@ fn logs_of_changes_are_held_and_lost_values_are_not() {
     let (_, series, _) = read(&lost).expect("a slow channel");
     assert_eq!(series.columns[0].iter().filter(|value| value.is_nan()).count(), 266);
 }
-
-/// Real exports and those that were reported, if they are here.
-#[test]
-fn files_of_the_field_are_read() {
-    let Some(root) = std::env::var_os("BEARING_WATCH_DATA") else {
-        println!("skipped: BEARING_WATCH_DATA names no folder");
-        return;
-    };
-    let root = Path::new(&root).join("field_reports");
-    for (file, columns, rows, last_s) in [
-        ("twincat_grouped/real_grouped_decimal_comma.csv", 21, 631, Some(0.126)),
-        ("twincat_grouped/real_pairs_one_rate_semicolon.csv", 19, 377, Some(0.376)),
-        ("odrive_characterization/chirp1.csv", 4, 387, None),
-        ("quoted_newline/m.csv", 2, 99, Some(0.049)),
-        ("octave_text/m.txt", 2, 400, Some(0.399)),
-    ] {
-        let path = root.join(file);
-        if !path.is_file() {
-            println!("skipped: {} is not there", path.display());
-            continue;
-        }
-        let (names, series) = only(&Table::open(&path).expect(file)).expect(file);
-        assert_eq!((names.len(), series.columns[0].len()), (columns, rows), "{file}: {names:?}");
-        let last = series.times_s.as_ref().and_then(|times| times.last().copied());
-        assert!(last.zip(last_s).map_or(last == last_s, |(own, told)| (own - told).abs() < 1e-9), "{file}: {last:?}");
-    }
-}

@@ -60,7 +60,7 @@ pub(super) struct Layout {
     /// Columns that are times.
     pub(super) clocks: Vec<(usize, Clock)>,
     pub(super) about: About,
-    /// The length that the file tells of itself.
+    /// The duration that a line before the rows states.
     pub(super) lasts: Option<Lasts>,
     /// The line before the rows of a text whose commas separate cells and decimals.
     pub(super) both_commas: Option<usize>,

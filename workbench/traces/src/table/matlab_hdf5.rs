@@ -82,7 +82,7 @@ impl Claims {
 
     /// Each chunk is a part of the file; a reader takes memory for what the index says of its size.
     fn chunks(&mut self, dataset: &Dataset) -> Result<(), Ended> {
-        // Chunks of an index that is not followed are read by nobody.
+        // Only chunks of an index that is followed are read.
         let sizes = dataset.chunks().unwrap_or_default().into_iter().map(|chunk| chunk.storage_size);
         if sizes.fold(0, u64::saturating_add) <= self.size {
             return Ok(());

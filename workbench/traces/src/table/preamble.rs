@@ -23,6 +23,7 @@ pub(super) use number::Mark;
 use super::cells::Line;
 use crate::usual_rate::{between, is_plausible};
 use line::{Rate, Says, says};
+use model::outputs::trimmed;
 
 /// Relative difference of rates that agree, and of a rate and a step that is rounded to it.
 const SAME: f64 = 2e-3;
@@ -186,7 +187,7 @@ fn implausible(sayings: &[Saying<'_>]) -> Told {
     };
     let first = sayings.iter().find_map(|own| Some((own, why(own)?)));
     match first {
-        // A divisor without a rate says nothing.
+        // A divisor alone gives no rate.
         Some((own, _)) if own.is_final => Told::Nothing,
         Some((own, why)) => Told::Asked(format!("line {}, {}: {why}; {GIVE}", own.line, quoted(own.text))),
         None => Told::Nothing,
@@ -290,7 +291,7 @@ fn asked(lines: &[(&Saying<'_>, Vec<Rate>)], mut readings: Vec<f64>) -> String {
 }
 
 impl Lasts {
-    /// Why a rate is not that of so many rows; `None` if it may be.
+    /// Why this number of rows contradicts a rate; `None` if it does not.
     pub(super) fn contradicts(&self, rate_hz: f64, rows: usize) -> Option<String> {
         /// Part of the length that may be off.
         const OFF: f64 = 0.01;
@@ -311,8 +312,7 @@ impl Lasts {
 
 /// A rate in few digits.
 fn short(hz: f64) -> String {
-    let digits = format!("{hz:.3}");
-    if hz >= 1.0 { digits.trim_end_matches('0').trim_end_matches('.').into() } else { format!("{hz:.3e}") }
+    if hz >= 1.0 { trimmed(hz, 3) } else { format!("{hz:.3e}") }
 }
 
 /// A line in quotes, cut if it is long.

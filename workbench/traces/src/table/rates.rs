@@ -9,6 +9,7 @@
 //! A row of such a text is no instant: each group has its own time, and ends by itself.
 
 use crate::units::Unit;
+use model::outputs::trimmed;
 
 /// Steps of a group over which its last value is held; behind them it is missing.
 const HELD: f64 = 1.5;
@@ -42,9 +43,7 @@ impl Rates {
 
     /// What is said of the columns.
     pub(super) fn told(&self, names: &[String]) -> String {
-        let rate = |step: f64| {
-            format!("{:.6}", 1.0 / (step * self.unit_s)).trim_end_matches('0').trim_end_matches('.').to_string()
-        };
+        let rate = |step: f64| trimmed(1.0 / (step * self.unit_s), 6);
         let fastest = self.times[self.fastest].1;
         let mut slow: Vec<(f64, Vec<&str>)> = Vec::new();
         for (name, (_, step)) in

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The difference (2) is convex in T, so that its least value and the two ends of the interval are found by halving.
-//! Only the corners of the convex hulls of (n_k, t_k) matter to it. Of the rates that the interval allows, the usual one
-//! is taken, else that in its middle. Parts of a recording between breaks have the same T, and a c each.
+//! Only the corners of the convex hulls of (n_k, t_k) matter to it. Of the rates that the interval allows, the usual
+//! one is taken, else that in its middle. Parts of a recording between breaks have the same T, and a c each.
 
 use crate::usual_rate::between;
 use model::trace::median;

@@ -5,9 +5,9 @@
 //! part   = number | [prefix] symbol [exponent] | word [exponent]          0.1 A, krpm, rad/s, m/s^2, min⁻¹, turn/4096
 //! ```
 //!
-//! Each symbol has the exponents of angle, length, mass, time, current and temperature; these tell the quantity. A number
-//! by a time is a speed of rotation in `1/min`, as data sheets write it; `1/s` is none, since it stands for turns and for
-//! radians. Effective values (`A rms`) are no unit: what is meant by them depends on the drive.
+//! Each symbol has the exponents of angle, length, mass, time, current and temperature; these tell the quantity. A
+//! number by a time is a speed of rotation in `1/min`, as data sheets write it; `1/s` is none, since it stands for
+//! turns and for radians. Effective values (`A rms`) are no unit: what is meant by them depends on the drive.
 
 use super::unit::{DEGREE, Quantity, TURN, Unit};
 

@@ -23,7 +23,7 @@ pub(super) enum Says {
     Rates(Vec<Rate>),
     /// It says a rate or a divisor that is not understood, and why.
     Unclear(&'static str),
-    /// Of so many samples one is a row.
+    /// Only one of this number of samples is a row.
     Divisor(u32),
     /// The length of the recording, s.
     Lasts(Number),

@@ -1,7 +1,7 @@
 //! Words for the rate of samples, for the time from row to row, for what divides them, and their units.
 //!
-//! A key is a rate or a step by two stems, one for sampling and one for frequency or time, in several languages, or by a
-//! name that stands alone.
+//! A key is a rate or a step by two stems, one for sampling and one for frequency or time, in several languages, or by
+//! a name that stands alone.
 
 use crate::units::{Quantity, Unit};
 
@@ -18,7 +18,7 @@ pub(super) enum Kind {
     ByUnit,
     /// A step by its unit; a number without one counts samples.
     Period,
-    /// Of so many samples one is a row.
+    /// Only one of this number of samples is a row.
     Divisor,
     /// So many samples are left out, or one of so many is a row.
     Skipped,
