@@ -28,13 +28,7 @@ pub(super) fn of_one_length(
         [one] => {
             if rows > 1 && about.step_s.is_none() {
                 let own = name.rsplit(['.', '/']).next().unwrap_or_default();
-                about.step_s = preamble::of_value(own, one);
-                about.notes.extend(about.step_s.map(|step| {
-                    format!(
-                        "{:.6} rows a second by {name}, if no column is the time; --rate-hz gives another rate",
-                        1.0 / step
-                    )
-                }));
+                about.step_s = preamble::of_value(own, one, &name).step_s(&mut about.notes);
             }
             Some((name, vec![one; rows]))
         }
@@ -102,6 +96,18 @@ mod tests {
         assert_eq!(arrays(3).map(|(names, _)| names.len()).ok(), Some(4));
         let refused = arrays(3000).expect_err("2.4 GB").to_string();
         assert!(refused.contains("as 3001 columns it claims 2400800000 bytes, more than the limit of"), "{refused}");
+    }
+
+    #[test]
+    fn an_implausible_rate_of_a_constant_is_told_and_not_taken() {
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        for (value, step_s, words) in [(8000.0, Some(1.0 / 8000.0), "by log.fs"), (1e-4, None, "no rate is taken")] {
+            let mut about = About::default();
+            let arrays = vec![("log.fs".into(), vec![value]), ("log.iq".into(), vec![0.0; 50])];
+            of_one_length(file.path(), arrays, &mut about).expect("columns");
+            assert_eq!(about.step_s, step_s);
+            assert!(about.notes.len() == 1 && about.notes[0].contains(words), "{:?}", about.notes);
+        }
     }
 
     #[test]

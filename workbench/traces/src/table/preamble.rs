@@ -135,10 +135,16 @@ pub(super) fn told(lines: &[Line<'_>], comments: &[Line<'_>], mark: Mark) -> (To
     (decided(&sayings), lasts)
 }
 
-/// The step, s, of a value of this name, such as `fs` or `dt`, in Hz or s if the name has no unit.
-pub(super) fn of_value(name: &str, value: f64) -> Option<f64> {
-    let Some((Says::Rates(rates), _)) = says(&format!("{name}={value}"), Mark::Point) else { return None };
-    rates.first().filter(|rate| is_plausible(rate.hz)).map(|rate| 1.0 / rate.hz)
+/// The rate by a value of this name, such as `fs` or `dt`, in Hz or s if the name has no unit; `told` names it in notes.
+pub(super) fn of_value(name: &str, value: f64, told: &str) -> Told {
+    let Some((Says::Rates(rates), _)) = says(&format!("{name}={value}"), Mark::Point) else { return Told::Nothing };
+    let Some(Rate { hz: rate_hz, .. }) = rates.first().copied() else { return Told::Nothing };
+    if !is_plausible(rate_hz) {
+        let why = "rows a second, which no drive is recorded with";
+        return Told::Asked(format!("{told} = {value}: {} {why}; {GIVE}", short(rate_hz)));
+    }
+    let note = format!("{rate_hz:.6} rows a second by {told}, if no column is the time; --rate-hz gives another rate");
+    Told::Known { rate_hz, line: 0, note }
 }
 
 /// The step, s, by a cell such as `tInc = 4.0e-06`, if it has one reading; it need not be plausible.

@@ -51,7 +51,10 @@ pub(crate) fn usual(name: &str) -> Option<Option<f64>> {
         return seconds(&lower).map(Some);
     }
     if !is_time || !rest.chars().next().is_none_or(is_mark) {
-        return None;
+        // The last part of a path: run_1/time, log/t_s. A lone t behind a slash is a unit as well.
+        let (place, last) = lower.rsplit_once('/')?;
+        let is_path = last != "t" && !place.contains(['[', '(']);
+        return if is_path { usual(last) } else { None };
     }
     let rest = rest.trim();
     if rest.is_empty() || known.contains(&lower.as_str()) {
@@ -144,6 +147,8 @@ mod tests {
             ("t/ms", Some(1e-3)),
             ("seconds", Some(1.0)),
             ("X_Value", None),
+            ("run_1/time", None),
+            ("log/t_s", Some(1.0)),
         ] {
             assert_eq!(usual(name), Some(unit), "{name}");
         }
@@ -158,6 +163,9 @@ mod tests {
             "rise time",
             "uptime",
             "cycle_time_s",
+            "load/t",
+            "torque/rated",
+            "level [V/time]",
         ] {
             assert_eq!(usual(name), None, "{name}");
         }
