@@ -1,7 +1,6 @@
 //! Tests of texts as loggers of laboratories write them: several rates, ends of rows, quoted cells.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use super::Table;
 use crate::reader::{Series, numeric, series};
