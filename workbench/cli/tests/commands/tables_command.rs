@@ -47,7 +47,8 @@ fn all_tables_as_text_json_csv_and_page() {
     let document = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/tables.md");
     let document = std::fs::read_to_string(document).expect("docs/tables.md");
     let block = document.split("<!-- generated: cargo xtask docs tables -->").nth(1).expect("a block");
-    for title in ["\nOverview", "\nTable 4.1:", "\n  Table 3.2:", "\n  Table 4.4:", "\n  Table 5.13:", "\nFigure 5.35:"] {
+    for title in ["\nOverview", "\nTable 4.1:", "\n  Table 3.2:", "\n  Table 4.4:", "\n  Table 5.13:", "\nFigure 5.35:"]
+    {
         assert!(block.contains(title), "docs/tables.md has no {title}");
     }
     let (said, documented) = (sections(&said), sections(block));
