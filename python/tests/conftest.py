@@ -106,9 +106,9 @@ def told(work):
     return found, "\n".join(str(one.message) for one in caught)
 
 
-def book(chapter, language):
-    """The examples of a chapter of the book in a language."""
-    text = (Path(__file__).parents[2] / "book" / "src" / chapter).read_text(encoding="utf-8")
+def document(name, language):
+    """The examples of a document of the package in a language."""
+    text = (Path(__file__).parents[1] / name).read_text(encoding="utf-8")
     return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
 
 

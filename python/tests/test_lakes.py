@@ -1,4 +1,4 @@
-"""Recordings and parts in stores, data bases and lakes: the examples of the book, each run as it stands there."""
+"""Recordings and parts in stores, data bases and lakes: the examples of `STORES.md`, each run as it stands there."""
 
 import json
 import shutil
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from bearing_watch import fleet
 
-from conftest import book, quietly, told
+from conftest import document, quietly, told
 
 pandas = pytest.importorskip("pandas")
 polars = pytest.importorskip("polars")
@@ -22,7 +22,7 @@ CHANNELS = {"y": "current_a", "u1": "velocity_rad_s", "order": (2, 1, 0, 1, 1)}
 
 def example(word, language="python"):
     """The only example of the chapter with this word."""
-    (found,) = [own for own in book("lakes.md", language) if word in own]
+    (found,) = [own for own in document("STORES.md", language) if word in own]
     return found
 
 

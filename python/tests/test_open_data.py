@@ -7,7 +7,7 @@ import bearing_watch as bw
 import numpy as np
 import pytest
 
-from conftest import book, quietly, told
+from conftest import document, quietly, told
 
 savemat = pytest.importorskip("scipy.io").savemat
 pandas = pytest.importorskip("pandas")
@@ -153,7 +153,7 @@ def built(tmp_path_factory):
 def test_a_built_set_becomes_recordings_by_the_lines_of_the_book(command, built, tmp_path):
     with pytest.raises(bw.BearingWatchError, match=r"column signal: a signal in each cell .* file for each recording"):
         bw.init(built, out=tmp_path / "none.toml")
-    (lines,) = [own for own in book("lakes.md", "python") if "metadata.parquet" in own]
+    (lines,) = [own for own in document("STORES.md", "python") if "metadata.parquet" in own]
     runs = tmp_path / "runs"
     lines, count = re.subn('"sets/lenze_mb"', repr(str(built)), lines)
     assert count == 1

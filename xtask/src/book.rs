@@ -90,9 +90,9 @@ mod tests {
             println!("skipped: no C compiler on the search path");
             return Ok(());
         }
-        let text = chapter("drive-engineer.md")?;
-        let block = text.split("<!-- book.c -->\n```c\n").nth(1).and_then(|rest| rest.split("```").next());
-        let file = workspace::target_dir().join("book.c");
+        let text = fs::read_to_string(workspace::root().join("c-api/README.md"))?;
+        let block = text.split("<!-- sizes.c -->\n```c\n").nth(1).and_then(|rest| rest.split("```").next());
+        let file = workspace::target_dir().join("sizes.c");
         fs::write(&file, block.unwrap_or("no C code"))?;
         for language in [["-xc", "-std=c99"], ["-xc++", "-std=c++17"]] {
             // gcc without g++ knows no C++.

@@ -43,13 +43,6 @@ pub fn run(options: &Options) -> Result<bool> {
     Ok(passed)
 }
 
-/// The table of the core's unit tests, for a document.
-pub fn of_unit_tests() -> Result<String> {
-    let (text, passed) = measure(&Options { host_tests: false, files: false })?;
-    ensure!(passed, "a test of the core fails");
-    Ok(text)
-}
-
 /// The table, and whether all tests passed.
 fn measure(options: &Options) -> Result<(String, bool)> {
     setup::ensure(&[&LLVM])?;

@@ -9,7 +9,7 @@ use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use crate::workspace;
 
 /// Folders with documents, and documents in the root.
-const FOLDERS: [&str; 5] = ["docs", "book/src", "c-api", "python", "template"];
+const FOLDERS: [&str; 6] = ["docs", "book/src", "c-api", "c-api/glue", "python", "template"];
 const ROOT: [&str; 5] = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"];
 /// A piece of code that starts so is a path of the repository.
 const PATHS: [&str; 14] = [

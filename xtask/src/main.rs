@@ -125,7 +125,7 @@ enum Command {
     /// Attacks every door with any bytes, guided by coverage, and prints a table; what a door must hold is in
     /// docs/trust.md.
     Fuzz(fuzz::Options),
-    /// Checks that each requirement of docs/requirements.toml has tests that exist, that docs/safety.md names such
+    /// Checks that each requirement of docs/requirements.toml has tests that exist, that book/src/faults.md names such
     /// tests only, and that it lists every `unsafe`.
     Trace,
     /// Prints which lines and regions of the core its tests reach.

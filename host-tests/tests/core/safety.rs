@@ -1,4 +1,4 @@
-//! Times after which the front end has named a fault, as `docs/safety.md` promises them.
+//! Times after which the front end has named a fault, as `book/src/faults.md` promises them.
 
 use std::fs;
 use std::path::Path;
@@ -16,13 +16,13 @@ const INTERVAL_MS: f64 = 0.1;
 /// Cells of the row of a table that starts with `name`.
 fn row(document: &str, name: &str) -> Vec<String> {
     let line = document.lines().find(|line| line.starts_with(&format!("| {name} |")));
-    let line = line.unwrap_or_else(|| panic!("docs/safety.md has no row {name}"));
+    let line = line.unwrap_or_else(|| panic!("book/src/faults.md has no row {name}"));
     line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect()
 }
 
 fn document() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/safety.md");
-    fs::read_to_string(path).expect("docs/safety.md")
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../book/src/faults.md");
+    fs::read_to_string(path).expect("book/src/faults.md")
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn faults_are_named_within_the_documented_times() {
         let promised_ms: f64 = cells[1].trim_end_matches(" ms").parse().expect("a time");
         // The document has the next larger one of round times.
         let fits = longest_ms <= promised_ms && promised_ms <= (2.5 * longest_ms).max(0.5);
-        assert!(fits, "{}: {longest_ms} ms, docs/safety.md has {promised_ms} ms", fault.name);
+        assert!(fits, "{}: {longest_ms} ms, book/src/faults.md has {promised_ms} ms", fault.name);
     }
 }
 

@@ -451,7 +451,7 @@ fn rows_that_come_twice_are_found_by_a_clock() {
 }
 
 #[test]
-fn every_row_of_the_book_names_tests_that_exist() {
+fn every_row_of_the_book_names_a_requirement_or_a_limit() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let page = fs::read_to_string(root.join("../book/src/faults.md")).expect("the page");
     // Generated tables are compared with the test that prints them.
@@ -461,14 +461,7 @@ fn every_row_of_the_book_names_tests_that_exist() {
     assert!(rows.len() >= 15, "{}", rows.len());
     for row in rows {
         let cell = row.trim_end_matches(" |").rsplit(" | ").next().unwrap_or_default();
-        let named: Vec<&str> = cell.split('`').filter(|part| part.contains("::")).collect();
-        assert!(!named.is_empty() || cell.contains("the same test") || cell.contains("*limit*"), "{row}");
-        for name in named {
-            let (file, test) = name.split_once("::").expect("file::test");
-            // Those of other folders are named from the root of the repository on.
-            let folder = if file.contains('/') { ".." } else { "tests/core" };
-            let source = fs::read_to_string(root.join(folder).join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
-            assert!(source.contains(&format!("#[test]\nfn {test}(")), "{name}");
-        }
+        // `cargo xtask trace` looks the requirements up.
+        assert!(cell.contains("REQ-") || cell.contains("*limit*"), "{row}");
     }
 }

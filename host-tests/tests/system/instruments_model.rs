@@ -53,7 +53,7 @@ fn noise_in_the_field_misleads_least_squares_and_not_instruments() {
         table.push(vec![names[k as usize].to_owned(), format!("{by_squares:.1} %"), format!("{by_instruments:.1} %")]);
         assert!(squares.contains(&by_squares) && instruments.contains(&by_instruments), "{factor}");
     }
-    documents::check("book/src/identification.md", "instruments", table);
+    documents::check("book/src/mathematics.md", "instruments", table);
 }
 
 /// Plans of the structure, as exported models have them.

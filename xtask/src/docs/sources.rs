@@ -7,7 +7,7 @@ use super::compare::Tolerance;
 use super::{book, campaign, figures, picture, read, results, timing};
 use crate::measure::Figure;
 use crate::toolchain::{self, Way};
-use crate::{child, coverage, field_peers, long, measure, peers, rivals, setup, workspace};
+use crate::{child, field_peers, long, measure, peers, rivals, setup, workspace};
 
 /// A command of the repository that prints blocks of documents.
 #[derive(Clone, Copy, Debug)]
@@ -21,13 +21,13 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 29] = [
+pub const SOURCES: [Source; 25] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| {
         printed(("system", "demo"), "book/src/introduction.md", "standard_rig::twenty_draws")
     }),
     quick("instruments", Tolerance::Exact, |_| {
-        printed(("system", "instruments"), "book/src/identification.md", "instruments_model::noise_in_the_field")
+        printed(("system", "instruments"), "book/src/mathematics.md", "instruments_model::noise_in_the_field")
     }),
     quick("faults", Tolerance::Exact, |_| {
         printed(("core", "faults"), "book/src/faults.md", "fault_table::faults_of_signals")
@@ -42,13 +42,7 @@ pub const SOURCES: [Source; 29] = [
     slow("field-default", Tolerance::Exact, |_| {
         workbench("campaign --field --default --draws 2", "field-default", results::FIELD)
     }),
-    slow("field-bounds", Tolerance::Exact, |_| {
-        workbench("campaign --field --bounds --draws 1", "field-bounds", results::FIELD)
-    }),
     slow("field-limits", Tolerance::Exact, |_| workbench("campaign --field --limits", "field-limits", results::FIELD)),
-    slow("field-sessions", Tolerance::Exact, |_| {
-        workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
-    }),
     slow("delay", Tolerance::Exact, |_| workbench("campaign --field --delay --draws 1", "delay", "docs/alarm.md")),
     slow("lasting", Tolerance::Exact, |_| {
         printed(("system", "lasting"), "docs/alarm.md", "lasting::lasting_offsets_of")
@@ -56,18 +50,16 @@ pub const SOURCES: [Source; 29] = [
     slow("growth", Tolerance::Exact, |_| {
         workbench("campaign --field --growth --draws 1 --only field-sine", "growth", "docs/alarm.md")
     }),
-    slow("healthy-sets", Tolerance::Exact, |_| {
-        workbench("campaign --healthy-sets --draws 40", "healthy-sets", results::FIELD)
-    }),
     slow("field-peers", Tolerance::Any, |_| {
-        Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])
+        Ok(vec![Block::new("docs/peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])
     }),
     slow("ema", Tolerance::Exact, |_| workbench("campaign --ema --draws 5", "ema", "docs/ema.md")),
     slow("ema-default", Tolerance::Exact, |_| {
         workbench("campaign --ema --default --draws 5", "ema-default", "docs/ema.md")
     }),
     slow("tables", Tolerance::Exact, |_| {
-        let blocks = workbench(TABLES, "tables", "docs/tables.md")?;
+        let mut blocks = workbench(TABLES, "tables", "docs/tables.md")?;
+        blocks.iter_mut().for_each(shorten);
         save("park", "Figure 5.35: a healthy record with four angles of the Park transform").map(|()| blocks)
     }),
     slow("recorded", Tolerance::Exact, |_| printed(("system", "recorded"), results::RECORDED, "recorded_")),
@@ -75,9 +67,6 @@ pub const SOURCES: [Source; 29] = [
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
     slow("reading", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "reading", &peers::reading()?.0)])),
     slow("peers-on-target", figures::TOLERANCE, peers_on_target),
-    slow("coverage", Tolerance::Within(0.1), |_| {
-        Ok(vec![Block::new(SAFETY, "coverage", coverage::of_unit_tests()?.trim_end())])
-    }),
     slow("signature", figures::TOLERANCE, |way| {
         let figures = measure::signatures(ready(way)?)?;
         Ok(vec![Block::new(SAFETY, "signature", measure::rows(&figures).trim_end())])
@@ -89,13 +78,24 @@ pub const SOURCES: [Source; 29] = [
 ];
 
 /// The document for those who assess a drive.
-const SAFETY: &str = "docs/safety.md";
+const SAFETY: &str = "book/src/faults.md";
 
 /// The table of the field, and the page with its picture.
 const FIELD: &str = "campaign --field --draws 2 --report target/field.html";
 
 /// The source's tables, and the page with Figure 5.35.
 const TABLES: &str = "tables --report target/park.html";
+
+/// How the paragraphs of its output start that the document shows.
+const SHOWN: [&str; 4] = ["```", "Overview", "Table 4.1", "Figure 5.35"];
+
+/// Leaves the paragraphs of [`SHOWN`] in a block of fixed-width text.
+fn shorten(block: &mut Block) {
+    let text = block.lines.join("\n");
+    let shown = text.split("\n\n").filter(|part| SHOWN.iter().any(|start| part.starts_with(start)));
+    let text = shown.collect::<Vec<_>>().join("\n\n");
+    block.lines = text.trim_end_matches("\n```").lines().chain(["```"]).map(str::to_owned).collect();
+}
 
 /// Saves a figure of the page of this name as the picture of this name.
 fn save(name: &str, title: &str) -> Result<()> {
@@ -143,7 +143,7 @@ pub fn of_figures(figures: &[Figure]) -> Result<Vec<Block>> {
 }
 
 fn peers_on_target(way: Option<Way>) -> Result<Vec<Block>> {
-    Ok(vec![Block::new("docs/peers-on-target.md", "peers-on-target", &rivals::table(ready(way)?)?)])
+    Ok(vec![Block::new("docs/peers.md", "peers-on-target", &rivals::table(ready(way)?)?)])
 }
 
 /// The table of results, from the documents as they stand.

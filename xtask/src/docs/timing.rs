@@ -7,7 +7,7 @@ use super::figures::{self, DETECTORS, find, head, row};
 use crate::measure::Figure;
 
 /// The document of the interrupts.
-const BOARDS: &str = "docs/boards.md";
+const BOARDS: &str = figures::DOCUMENT;
 
 /// Calls: a title, and how the name of the figure ends.
 const CALLS: [(&str, &str); 5] = [

@@ -1,7 +1,7 @@
 //! `cargo xtask trace`: requirements of `docs/requirements.toml` and the tests that prove them, and every `unsafe`.
 //!
 //! It fails for a requirement without a test, for a test that does not exist, for an id that a document names and the
-//! table does not have, and for a file with `unsafe` that `docs/safety.md` does not list with its number.
+//! table does not have, and for a file with `unsafe` that `book/src/faults.md` does not list with its number.
 
 mod tests_of;
 mod unsafe_code;
@@ -18,7 +18,7 @@ use tests_of::TestFiles;
 
 /// The table of requirements, and the document that names them.
 const REQUIREMENTS: &str = "docs/requirements.toml";
-const SAFETY: &str = "docs/safety.md";
+const SAFETY: &str = "book/src/faults.md";
 
 /// A requirement and the tests that prove it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,7 +47,7 @@ pub fn run() -> Result<bool> {
 /// The checks of the stage.
 pub fn checks(tally: &mut Tally) {
     tally.check("requirements have tests that exist", count(requirement_problems()));
-    tally.check("tests and requirements that docs/safety.md names exist", count(document_problems()));
+    tally.check("tests and requirements that book/src/faults.md names exist", count(document_problems()));
     tally.check("every unsafe is listed", count(unsafe_code::problems(SAFETY)));
 }
 

@@ -1,4 +1,4 @@
-//! Every `unsafe` of the repository, beside the list of `docs/safety.md`.
+//! Every `unsafe` of the repository, beside the list of `book/src/faults.md`.
 
 use std::collections::BTreeMap;
 use std::fs;

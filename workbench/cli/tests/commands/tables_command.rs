@@ -43,19 +43,19 @@ fn all_tables_as_text_json_csv_and_page() {
     for (note, count) in notes {
         assert_eq!(line.matches(note).count(), count, "{note}\n{said}");
     }
-    // The document has the same tables with more draws.
+    // The document has its tables with more draws, and a row of the overview for those that it leaves out.
     let document = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/tables.md");
     let document = std::fs::read_to_string(document).expect("docs/tables.md");
     let block = document.split("<!-- generated: cargo xtask docs tables -->").nth(1).expect("a block");
-    for id in Id::ALL {
-        let title = format!("\n{} {}", if id == Id::PARK { "Figure" } else { "Table" }, id.name());
-        assert!(block.contains(&title) || id.name() == "piecewise", "docs/tables.md has no {title}");
+    for title in ["\nOverview", "\nTable 4.1:", "\n  Table 3.2:", "\n  Table 4.4:", "\n  Table 5.13:", "\nFigure 5.35:"]
+    {
+        assert!(block.contains(title), "docs/tables.md has no {title}");
     }
     let (said, documented) = (sections(&said), sections(block));
     assert!(said.len() > 10);
     // The overview has a row for each table.
-    for (title, rows) in said.iter().filter(|(title, _)| !title.starts_with("Overview")) {
-        let own = documented.iter().find(|(own, _)| own == title).map(|(_, rows)| rows);
+    for (title, rows) in documented.iter().filter(|(title, _)| title.starts_with("Table")) {
+        let own = said.iter().find(|(own, _)| own == title).map(|(_, rows)| rows);
         assert_eq!(Some(rows), own, "docs/tables.md differs at {title}; run `cargo xtask docs tables`");
     }
     let page = std::fs::read_to_string(dir.join("t.html")).expect("page");
