@@ -9,9 +9,7 @@ use studies::campaign::{Settings, campaign, render};
 use studies::ema;
 use studies::field::delay;
 use studies::field::growth;
-use studies::field::sessions::{self, Fleet};
-use studies::field::{self, bounds, limits};
-use studies::healthy_sets::{self, sets::SETS};
+use studies::field::{self, limits};
 use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
 
 /// Train and evaluate the detector on the standard rig under every condition, size of defect and set rate, beside the
@@ -23,12 +21,9 @@ use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
   bearing-watch campaign --quick --only mix,amplitude-2 --repetitions 4
   bearing-watch campaign --field --draws 20
   bearing-watch campaign --field --draws 2 --only mix,temperature,field-sine --json
-  bearing-watch campaign --field --bounds --draws 1
   bearing-watch campaign --field --limits --draws 1
-  bearing-watch campaign --field --sessions --draws 10
   bearing-watch campaign --ema --draws 5
   bearing-watch campaign --ema --default --draws 5
-  bearing-watch campaign --healthy-sets
   bearing-watch campaign --field --delay --draws 1
   bearing-watch campaign --field --growth --draws 1
 
@@ -57,22 +52,16 @@ pub(super) struct Args {
     #[arg(long, conflicts_with_all = ["field", "quick", "report"])]
     ema: bool,
     /// Only these rows of the field, or of the standard rig the experiments of these conditions
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with_all = ["ema", "healthy_sets"])]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "ema")]
     only: Vec<String>,
-    /// What one record can tell: bounds of an ideal detector, beside what is found
-    #[arg(long, requires = "field", conflicts_with = "out")]
-    bounds: bool,
     /// Defects as large as the limit that their own healthy verdict states, and how many of them are called; one draw
-    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "report"])]
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "features", "report"])]
     limits: bool,
-    /// False alarms of a fleet, session by session on drives that were not in training, and mean time of its alarm
-    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features"])]
-    sessions: bool,
     /// Hours between false alarms and runs until the alarm, on drives that were not in training; a draw takes minutes
-    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions"])]
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "features"])]
     delay: bool,
     /// Time left of growing defects beside the truth, on drives that were not in training; a draw takes minutes
-    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "features", "sessions", "delay"])]
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "features", "delay"])]
     growth: bool,
     /// Draw a table of the field that was printed before, for example docs/field.md, and compute nothing
     #[arg(long, value_name = "FILE", requires_all = ["field", "report"])]
@@ -81,11 +70,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
     features: Vec<String>,
     /// The detector of a user who names no features, instead of the one of the recipe; with --field or --ema
-    #[arg(long, conflicts_with_all = ["features", "bounds", "sessions", "quick", "healthy_sets", "limits"])]
+    #[arg(long, conflicts_with_all = ["features", "quick", "limits"])]
     default: bool,
-    /// Gates of healthy sets that are not normal, not independent, or not healthy
-    #[arg(long, conflicts_with_all = ["traces", "quick", "field", "ema", "out", "report"])]
-    healthy_sets: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -93,7 +79,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write a page with tables and plots
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["bounds", "sessions"])]
+    #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 }
 
@@ -102,9 +88,6 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&files.iter().filter_map(|file| file.as_deref()).collect::<Vec<_>>(), &[])?;
     if args.field {
         return run_field(args);
-    }
-    if args.healthy_sets {
-        return run_healthy_sets(args);
     }
     if args.ema {
         return run_ema(args);
@@ -143,22 +126,10 @@ fn run_ema(args: &Args) -> Result<(), Error> {
     output::say(ema::render::text(&findings).trim_end())
 }
 
-fn run_healthy_sets(args: &Args) -> Result<(), Error> {
-    let draws = args.first..args.first + args.repetitions;
-    let all = each("healthy sets", &SETS, |set| healthy_sets::study(*set, draws.clone()))?;
-    if args.json {
-        return output::json("campaign-healthy-sets", healthy_sets::to_json(&all));
-    }
-    output::say(healthy_sets::text(&all).trim_end())
-}
-
 fn run_field(args: &Args) -> Result<(), Error> {
     if let (Some(path), Some(printed)) = (&args.report, &args.printed) {
         let text = std::fs::read_to_string(printed).map_err(|source| Error::Io { path: printed.clone(), source })?;
         return output::write(path, field_page(&text)?);
-    }
-    if args.sessions {
-        return run_sessions(args);
     }
     if args.delay {
         return run_delay(args);
@@ -180,9 +151,6 @@ fn run_field(args: &Args) -> Result<(), Error> {
         }
         return output::say(limits::text(&all).trim_end());
     }
-    if args.bounds {
-        return run_bounds(args, &settings);
-    }
     let bar = output::progress("field", rows.len() * settings.draws as usize);
     let findings = field::study(&rows, &settings, || bar.inc(1))?;
     bar.finish_and_clear();
@@ -200,26 +168,6 @@ fn run_field(args: &Args) -> Result<(), Error> {
         output::conclude(&words);
     }
     output::say(text.trim_end())
-}
-
-fn run_bounds(args: &Args, settings: &field::Settings) -> Result<(), Error> {
-    let names = if args.only.is_empty() { bounds::ROWS.map(String::from).to_vec() } else { args.only.clone() };
-    let rows = field::rows::named(&names)?;
-    let bounded = each("bounds", &rows, |row| bounds::bound(row, settings))?;
-    if args.json {
-        return output::json("campaign-bounds", bounds::render::to_json(&bounded));
-    }
-    output::say(bounds::render::text(&bounded, settings).trim_end())
-}
-
-fn run_sessions(args: &Args) -> Result<(), Error> {
-    let draws = args.first..args.first + args.repetitions;
-    let found = |condition: &Condition| sessions::found(*condition, Fleet::STANDARD, draws.clone());
-    let all = each("sessions", &sessions::conditions(), found)?;
-    if args.json {
-        return output::json("campaign-sessions", sessions::to_json(&all));
-    }
-    output::say(sessions::text(&all, Fleet::STANDARD, args.repetitions).trim_end())
 }
 
 /// The draws of each row of the studies with drives and runs.

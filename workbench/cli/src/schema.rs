@@ -51,24 +51,6 @@ enum Form {
     FeaturesSum,
     /// What `train-features --json` prints
     TrainFeatures,
-    /// What `demo --json` prints
-    Demo,
-    /// What `tables --json` prints
-    Tables,
-    /// What `campaign --json` prints
-    Campaign,
-    /// What `campaign --ema --json` prints
-    CampaignEma,
-    /// What `campaign --field --json` prints
-    CampaignField,
-    /// What `campaign --field --bounds --json` prints
-    CampaignBounds,
-    /// What `campaign --field --sessions --json` prints
-    CampaignSessions,
-    CampaignDelay,
-    CampaignGrowth,
-    /// What `campaign --healthy-sets --json` prints
-    CampaignHealthySets,
     /// What `listen --json` prints on each line
     Listen,
     /// What every command prints with --json if it fails
@@ -90,16 +72,6 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Form::Features => further_forms::FEATURES.schema(),
         Form::FeaturesSum => further_forms::FEATURES_SUM.schema(),
         Form::TrainFeatures => further_forms::TRAIN_FEATURES.schema(),
-        Form::Demo => study_forms::DEMO.schema(),
-        Form::Tables => study_forms::TABLES.schema(),
-        Form::Campaign => study_forms::CAMPAIGN.schema(),
-        Form::CampaignEma => study_forms::CAMPAIGN_EMA.schema(),
-        Form::CampaignField => study_forms::CAMPAIGN_FIELD.schema(),
-        Form::CampaignBounds => study_forms::CAMPAIGN_BOUNDS.schema(),
-        Form::CampaignSessions => study_forms::CAMPAIGN_SESSIONS.schema(),
-        Form::CampaignDelay => study_forms::CAMPAIGN_DELAY.schema(),
-        Form::CampaignGrowth => study_forms::CAMPAIGN_GROWTH.schema(),
-        Form::CampaignHealthySets => study_forms::CAMPAIGN_HEALTHY_SETS.schema(),
         Form::Listen => study_forms::LISTEN.schema(),
         Form::Error => forms::ERROR.schema(),
     };

@@ -21,7 +21,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 29] = [
+pub const SOURCES: [Source; 26] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| {
         printed(("system", "demo"), "book/src/introduction.md", "standard_rig::twenty_draws")
@@ -42,22 +42,13 @@ pub const SOURCES: [Source; 29] = [
     slow("field-default", Tolerance::Exact, |_| {
         workbench("campaign --field --default --draws 2", "field-default", results::FIELD)
     }),
-    slow("field-bounds", Tolerance::Exact, |_| {
-        workbench("campaign --field --bounds --draws 1", "field-bounds", results::FIELD)
-    }),
     slow("field-limits", Tolerance::Exact, |_| workbench("campaign --field --limits", "field-limits", results::FIELD)),
-    slow("field-sessions", Tolerance::Exact, |_| {
-        workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
-    }),
     slow("delay", Tolerance::Exact, |_| workbench("campaign --field --delay --draws 1", "delay", "docs/alarm.md")),
     slow("lasting", Tolerance::Exact, |_| {
         printed(("system", "lasting"), "docs/alarm.md", "lasting::lasting_offsets_of")
     }),
     slow("growth", Tolerance::Exact, |_| {
         workbench("campaign --field --growth --draws 1 --only field-sine", "growth", "docs/alarm.md")
-    }),
-    slow("healthy-sets", Tolerance::Exact, |_| {
-        workbench("campaign --healthy-sets --draws 40", "healthy-sets", results::FIELD)
     }),
     slow("field-peers", Tolerance::Any, |_| {
         Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])

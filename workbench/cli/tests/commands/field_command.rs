@@ -33,7 +33,7 @@ fn wrong_arguments_are_refused() {
     refuse(dir, "campaign --field --features drag_scores", &["no drag_scores in this model"]);
     refuse(dir, "campaign --only slip", &["no row slip; there are standard, mix, amplitude-0.5"]);
     refuse(dir, "campaign --ema --only mix", &["cannot be used with"]);
-    for other in ["--quick", "--traces 20", "--bounds --report page.html"] {
+    for other in ["--quick", "--traces 20", "--limits --report page.html"] {
         refuse(dir, &format!("campaign --field {other}"), &["cannot be used with"]);
     }
 }

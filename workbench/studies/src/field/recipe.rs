@@ -35,9 +35,6 @@ const SLIP: f64 = 0.022;
 /// Set false-alarm rate of the gate.
 pub const FALSE_ALARM: f64 = 0.01;
 
-/// The false-alarm rate of each part of the gate: the distance of the first two features, and each of the others.
-pub const SHARE: f64 = FALSE_ALARM / (GATE_FEATURES.len() - 1) as f64;
-
 /// Structure of the regression if the load is not measured: no terms of u2.
 const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
 
