@@ -1,4 +1,4 @@
-//! `bearing-watch cogging`
+//! `bearing-watch grey-box cogging`
 
 use std::path::{Path, PathBuf};
 
@@ -6,11 +6,10 @@ use bearing_watch::shaft::RotorChange;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use super::grey_box::balanced;
 use super::jobs;
 use super::options::Taken;
 use super::output;
-use super::recordings;
+use super::recordings::{self, balanced};
 use model::Error;
 use model::cogging::{Line, Lines, LinesSettings, Recording, Residual, Wave, fit, map, odrive, residuals, since, told};
 use model::grey_box::motor::{Load, MotorRecord, MotorSettings};
@@ -23,9 +22,9 @@ use traces::resample::unwrapped;
 /// it, and what has changed since earlier recordings
 #[derive(Debug, clap::Args)]
 #[command(after_help = "The angle must be absolute, and the shaft turn slowly in both directions.\n\n\
-Examples:\n  bearing-watch cogging slow --angle angle_rad --out map.csv --report page.html\n  \
-bearing-watch cogging slow --load none --kt 0.05 --out cogging_map.c --format odrive\n  \
-bearing-watch cogging june --since january")]
+Examples:\n  bearing-watch grey-box cogging slow --angle angle_rad --out map.csv --report page.html\n  \
+bearing-watch grey-box cogging slow --load none --kt 0.05 --out cogging_map.c --format odrive\n  \
+bearing-watch grey-box cogging june --since january")]
 pub(super) struct Args {
     #[command(flatten)]
     pub(super) taken: Taken<jobs::Cogging>,

@@ -1,4 +1,4 @@
-//! `bearing-watch convert` and `bearing-watch resample`
+//! `bearing-watch convert`
 
 use std::path::{Path, PathBuf};
 
@@ -18,14 +18,22 @@ use traces::{Candidate, Listing};
 /// The name of the time in files that are written.
 const TIME: &str = "t_s";
 
-/// What is read, and what is written.
+/// Write traces in another format, with other columns and units, or at a constant rate
+///
+/// With --to-hz traces are resampled behind an anti-alias filter; a gap is reported, and the trace is split there.
 #[derive(Debug, clap::Args)]
-struct Files {
+#[command(after_help = "Examples:
+  bearing-watch convert log.mat --columns \"current_a=Current,velocity_rad_s=Speed\" --out log.csv
+  bearing-watch convert log.csv --to-hz 100 --out log_100hz.csv")]
+pub(super) struct Args {
     #[command(flatten)]
-    taken: Taken<Convert>,
+    pub(super) taken: Taken<Convert>,
     /// Columns to write, e.g. current_a=iq_mA A,"angle_rad=integrate(speed_rpm) rad"; by default all columns of numbers
     #[arg(long, value_name = "NAME=CHANNEL", value_delimiter = ',')]
     columns: Vec<String>,
+    /// Rows a second to write, at most the recorded rate; by default the rows as they are
+    #[arg(long, value_name = "HZ", value_parser = super::recordings::rate)]
+    to_hz: Option<f64>,
     /// File for one trace, or folder for several
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
@@ -34,54 +42,17 @@ struct Files {
     format: String,
 }
 
-impl ConvertArgs {
-    /// The settings of the command.
-    pub(super) const fn taken(&mut self) -> &mut Taken<Convert> {
-        &mut self.files.taken
-    }
-}
-
-impl ResampleArgs {
-    /// The settings of the command.
-    pub(super) const fn taken(&mut self) -> &mut Taken<Convert> {
-        &mut self.files.taken
-    }
-}
-
-/// Write traces in another format, with other columns and units
-#[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example:\n  bearing-watch convert log.mat --columns \"current_a=Current,velocity_rad_s=Speed\" --out log.csv"
-)]
-pub(super) struct ConvertArgs {
-    #[command(flatten)]
-    files: Files,
-}
-
-/// Resample traces to a constant rate with an anti-alias filter; a gap is reported, and the trace is split there
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  bearing-watch resample log.csv --to-hz 100 --out log_100hz.csv")]
-pub(super) struct ResampleArgs {
-    #[command(flatten)]
-    files: Files,
-    /// Rows a second to write, at most the recorded rate
-    #[arg(long, value_name = "HZ", value_parser = super::recordings::rate)]
-    to_hz: f64,
-}
-
 /// Number of gaps of a trace that are listed; further ones are counted.
 const TOLD: usize = 3;
 
-pub(super) fn convert(args: &ConvertArgs) -> Result<(), Error> {
-    args.files.run(&|_, series| {
-        let Series { id, times_s, columns } = series;
-        Ok(vec![(trace_name(&id).into_owned(), times_s, columns)])
-    })
-}
-
-pub(super) fn resample(args: &ResampleArgs) -> Result<(), Error> {
-    let rate_hz = args.to_hz;
-    args.files.run(&|names, series| {
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let Some(rate_hz) = args.to_hz else {
+        return args.written(&|_, series| {
+            let Series { id, times_s, columns } = series;
+            Ok(vec![(trace_name(&id).into_owned(), times_s, columns)])
+        });
+    };
+    args.written(&|names, series| {
         let id = trace_name(&series.id).into_owned();
         let times = series.times_s.as_deref().ok_or_else(|| {
             Error::trace(&id, "no time column with a usual name; name it with --time, or give --rate-hz")
@@ -131,8 +102,8 @@ type Written = (String, Option<Vec<f64>>, Vec<Vec<f64>>);
 /// Makes what is written of a trace, by the names and channels of its columns.
 type Make<'a> = &'a dyn Fn(&[(String, String)], Series) -> Result<Vec<Written>, Error>;
 
-impl Files {
-    fn run(&self, make: Make<'_>) -> Result<(), Error> {
+impl Args {
+    fn written(&self, make: Make<'_>) -> Result<(), Error> {
         let data = &self.taken.settings.data;
         let candidates = self.candidates()?;
         let files: Vec<PathBuf> = candidates.iter().map(|own| own.file.clone()).collect();

@@ -127,25 +127,6 @@ pub(super) const FEATURES: Form = Form {
     optional: &[],
 };
 
-/// `features-sum --json`.
-pub(super) const FEATURES_SUM: Form = Form {
-    name: "features-sum",
-    about: "Sums of parts that were written",
-    list: false,
-    keys: &[
-        ("sums", "string", "File of the sums"),
-        ("rows", "integer", "Segments"),
-        ("features", "array", "Names of the features that are summed"),
-        ("bytes", "integer", "Size of the file"),
-        ("open_units", "integer", "Drives of which further segments may come"),
-        ("complete_units", "integer", "Drives that are complete"),
-        ("classes", "array", "Names of the classes"),
-        ("seconds", "number", "Time that it took"),
-        ("peak_memory_mb", "number?", "Largest resident memory"),
-    ],
-    optional: &[],
-};
-
 /// `train-features --json`.
 pub(super) const TRAIN_FEATURES: Form = Form {
     name: "train-features",

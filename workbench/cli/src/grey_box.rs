@@ -6,17 +6,18 @@ use clap::Subcommand;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::cogging;
 use super::jobs::{Balanced, Recordings};
 use super::options::Taken;
 use super::output;
-use super::recordings::complete;
+use super::recordings::{balanced, complete};
 use model::Error;
 use model::grey_box::linear::{self, Asymmetry, Friction, LinearRecord, LinearSettings};
 use model::grey_box::motor::{self, Load, MotorRecord, MotorSettings};
 use model::grey_box::physical::{self, ElectricalRecord};
 use model::grey_box::{GreyBox, Quantity};
 use model::session::irregular;
-use model::settings::{DriveFile, Signals};
+use model::settings::DriveFile;
 use model::trace::{Channels, Trace};
 
 /// Physical constants of a drive, with standard deviations
@@ -35,6 +36,7 @@ enum Drive {
     Linear(LinearArgs),
     Motor(MotorArgs),
     Electrical(ElectricalArgs),
+    Cogging(cogging::Args),
 }
 
 /// Mass, friction and offset of a linear drive from position and force, or of a rotary one from angle and torque
@@ -126,6 +128,7 @@ impl Args {
             Drive::Linear(args) => args.taken.join(drive),
             Drive::Motor(args) => args.taken.join(drive),
             Drive::Electrical(args) => args.taken.join(drive),
+            Drive::Cogging(args) => args.taken.join(drive),
         }
     }
 
@@ -135,6 +138,7 @@ impl Args {
             Drive::Linear(args) => args.taken.text(path),
             Drive::Motor(args) => args.taken.text(path),
             Drive::Electrical(args) => args.taken.text(path),
+            Drive::Cogging(args) => args.taken.text(path),
         }
     }
 }
@@ -144,6 +148,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Drive::Linear(args) => linear(args),
         Drive::Motor(args) => motor(args),
         Drive::Electrical(args) => electrical(args),
+        Drive::Cogging(args) => cogging::run(args),
     }
 }
 
@@ -178,13 +183,6 @@ fn linear(args: &LinearArgs) -> Result<(), Error> {
 fn linear_record<'a>(trace: &'a Trace, shown: &Shown) -> Result<LinearRecord<'a>, Error> {
     let interval_s = shown.interval_of(trace)?;
     Ok(LinearRecord { id: &trace.id, interval_s, position_m: &trace.y, force_n: &trace.u1 })
-}
-
-/// Current, velocity and load, or their usual columns.
-pub(super) fn balanced(channels: &Signals) -> [String; 3] {
-    let Signals { current, velocity, load, .. } = channels;
-    let usual = [(current, "current_a"), (velocity, "velocity_rad_s"), (load, "load_torque_nm")];
-    usual.map(|(given, usual)| given.clone().unwrap_or_else(|| usual.into()))
 }
 
 /// Reads four channels by two reads of three channels each: the first, the last, and one of the two middle channels.

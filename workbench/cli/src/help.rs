@@ -24,9 +24,7 @@ const SHORT: &[(&str, &[&str])] = &[
     ("identify", &["u2", "offset", "method", "out", "json"]),
     ("structure", &["u2", "offset", "method", "report", "json"]),
     ("validate", &["u2", "offset", "method", "lags", "report", "json"]),
-    ("piecewise", &["u2", "runs", "out"]),
     ("audit", &["labels", "where", "rate_hz", "current", "velocity", "angle", "load", "report", "json"]),
-    ("campaign", &["repetitions", "traces", "quick", "field", "ema", "only", "json", "out", "report"]),
 ];
 
 /// Options of every command that only `--help` has.
@@ -51,9 +49,6 @@ const HEADINGS: &[(&str, &[&str])] = &[
             "params",
             "params_of",
             "lags",
-            "threshold",
-            "min_run",
-            "cutoff_ratio",
             "kt",
             "cutoff",
             "asymmetric",

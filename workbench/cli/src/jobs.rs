@@ -38,15 +38,10 @@ jobs! {
         ("covariates", "The same"),
         ("healthy", "The healthy class, whose mean is the nominal model unless --nominal is given"),
     ];
-    /// `features-sum`.
-    FeaturesSum = Use::FEATURES_SUM, help: &[
-        ("features", "Features to sum, as in train; of sums, those that they have"),
-        ("train_where", "Only segments with this, e.g. 'run<=4'; may be repeated, all must hold"),
-    ];
     /// `train-features`.
     TrainFeatures = Use::TRAIN_FEATURES, help: &[
         ("train_where", "Only segments with this in a column of the parts, e.g. 'run<=4'; may be repeated, all must hold"),
-        ("covariates", "Not for sums: refused, unless empty"),
+        ("covariates", "Not for sums of features: refused, unless empty"),
     ];
     /// `identify`, `validate`.
     Fit = Use {
@@ -60,12 +55,6 @@ jobs! {
         keys: &[TIMES, CHANNELS, &["offset"], PREPARATION],
         required: &["y", "u1"],
     };
-    /// `piecewise`.
-    Piecewise = Use {
-        name: "piecewise",
-        keys: &[&["traces"], TIMES, CHANNELS, PREPARATION],
-        required: &["traces", "y", "u1"],
-    }, help: &[TRACES];
     /// `replay`.
     Replay = Use::REPLAY, help: &[
         TRACES,
@@ -94,7 +83,7 @@ jobs! {
              one, or \"none\" [default: load_torque_nm]",
         ),
     ];
-    /// `cogging`.
+    /// `grey-box cogging`.
     Cogging = Use {
         name: "cogging",
         keys: &[&["traces"], TIMES, &["current", "velocity", "velocity_ref", "angle", "load"]],
@@ -123,7 +112,7 @@ jobs! {
         ("angle", "Angle of the shaft, rad; by default the likely one, or the integral of the velocity"),
         ("load", "Load; by default the likely channel"),
     ];
-    /// `convert`, `resample`.
+    /// `convert`.
     Convert = Use { name: "convert", keys: &[&["traces"], TIMES], required: &["traces"] }, help: &[
         ("traces", "Trace files or folders: .csv .tsv .txt (also with .gz or .zst), .mat, .h5, .parquet, .arrow, .npz, .npy"),
     ];

@@ -5,30 +5,28 @@
 //!
 //! | crate | commands |
 //! |---|---|
-//! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box`, `cogging` |
+//! | `bearing-watch-model` | `identify`, `structure`, `validate`, `grey-box` |
 //! | `bearing-watch-model` | `train`, `evaluate` |
-//! | `bearing-watch-traces` | `init`, `audit`, `convert`, `resample`, and the files that the others read |
-//! | `bearing-watch-fleet` | `features`, `features-sum`, `train-features` |
+//! | `bearing-watch-traces` | `init`, `audit`, `convert`, and the files that the others read |
+//! | `bearing-watch-fleet` | `features`, `train-features` |
 //! | `bearing-watch-pages` | `view`, `replay`, `listen`, and the pages that the others write |
-//! | `bearing-watch-studies` | `demo`, `simulate`, `simulate-features`, `campaign`, `tables` |
+//! | `bearing-watch-studies` | `simulate`; its own program has the studies |
 
 mod arguments;
 mod audit;
-mod campaign;
 mod can_id;
 mod cogging;
 mod commands;
 mod common;
+mod completions;
 mod confirm;
 mod convert;
 mod dbc;
-mod demo;
 #[doc(hidden)]
 pub mod doors;
 mod evaluate;
 mod failure;
 mod features;
-mod features_sum;
 mod fit;
 mod forms;
 mod further_forms;
@@ -41,19 +39,14 @@ mod life;
 mod listen;
 mod options;
 mod output;
-mod pages_of_help;
-mod piecewise;
 mod recordings;
 mod replay;
 mod schema;
 mod serve;
 mod signing;
 mod simulate;
-mod simulate_features;
-mod simulated_fleet;
 mod structure;
 mod study_forms;
-mod tables;
 mod train;
 mod train_features;
 mod validate;

@@ -44,12 +44,6 @@ pub(super) fn note(text: impl AsRef<str>) {
     }
 }
 
-/// Prints what a table shows before the table, with an empty line: on standard error, so that standard output is the
-/// table alone.
-pub(super) fn conclude(text: &str) {
-    note(format!("{text}\n"));
-}
-
 /// Shows progress bars.
 struct Bars;
 

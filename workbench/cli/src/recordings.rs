@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::output;
 use model::Error;
 use model::session::{irregular, refuse_gaps};
+use model::settings::Signals;
 use model::trace::{Channels, Trace};
 
 /// Reads traces, warns of those with irregular sampling, and refuses those with missing samples.
@@ -31,4 +32,11 @@ pub(super) fn complete(traces: &[Trace]) -> Result<(), Error> {
 pub(super) fn rate(text: &str) -> Result<f64, String> {
     let rate = text.parse::<f64>().ok().filter(|rate| *rate > 0.0 && rate.is_finite());
     rate.ok_or_else(|| "give a number above 0".into())
+}
+
+/// Current, velocity and load, or their usual columns.
+pub(super) fn balanced(channels: &Signals) -> [String; 3] {
+    let Signals { current, velocity, load, .. } = channels;
+    let usual = [(current, "current_a"), (velocity, "velocity_rad_s"), (load, "load_torque_nm")];
+    usual.map(|(given, usual)| given.clone().unwrap_or_else(|| usual.into()))
 }

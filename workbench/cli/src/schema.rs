@@ -47,8 +47,6 @@ enum Form {
     Audit,
     /// What `features --json` prints
     Features,
-    /// What `features-sum --json` prints
-    FeaturesSum,
     /// What `train-features --json` prints
     TrainFeatures,
     /// What `listen --json` prints on each line
@@ -70,7 +68,6 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Form::Cogging => further_forms::COGGING.schema(),
         Form::Audit => further_forms::AUDIT.schema(),
         Form::Features => further_forms::FEATURES.schema(),
-        Form::FeaturesSum => further_forms::FEATURES_SUM.schema(),
         Form::TrainFeatures => further_forms::TRAIN_FEATURES.schema(),
         Form::Listen => study_forms::LISTEN.schema(),
         Form::Error => forms::ERROR.schema(),

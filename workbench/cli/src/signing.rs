@@ -1,4 +1,4 @@
-//! `bearing-watch keys`, `sign` and `verify`: signatures of model files.
+//! `bearing-watch sign`: keys, signatures of model files, and their verification.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -14,56 +14,52 @@ use model::Error;
 /// First line of a file with a private key; the second is the key in hexadecimal digits.
 const TITLE: &str = "bearing-watch private key 1";
 
-/// Print the public key of a private key as arrays for firmware, or make a new private key
+/// Sign a model file, for firmware that accepts the models of some keys only; make keys, and verify signatures
+///
+/// The signature follows the model in the same file, which is replaced when it is complete; an earlier signature goes.
+/// Firmware without signatures, and the other commands, read the file as before.
 ///
 /// A new key comes from the random numbers of the system. Only the owner can read its file (mode 0600), and no existing
 /// file is replaced. Keep it where models are made, with a copy: whoever has it can sign models that drives accept.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  bearing-watch keys vendor.key --new")]
-pub(super) struct KeysArgs {
-    /// File of the private key
-    key: PathBuf,
-    /// Make this key
-    #[arg(long)]
-    new: bool,
-}
-
-/// Sign a model file, for firmware that accepts the models of some keys only
-///
-/// The signature follows the model in the same file, which is replaced when it is complete; an earlier signature goes.
-/// Firmware without signatures, and the other commands, read the file as before.
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  bearing-watch sign drive.bwm --key vendor.key --counter 2")]
-pub(super) struct SignArgs {
-    /// The model file
-    model: PathBuf,
-    /// File of the private key
-    #[arg(long, value_name = "FILE")]
-    key: PathBuf,
-    /// Number of the model: firmware refuses a lower one than it was told, so that an old model cannot come back
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    counter: u32,
-    /// Another file for the signed model
-    #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
-}
-
-/// Verify the signature of a model file, as firmware does
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  bearing-watch verify drive.bwm --key vendor.key --least 2")]
-pub(super) struct VerifyArgs {
-    /// The model file
-    model: PathBuf,
-    /// File of the private key, or the public key in 64 hexadecimal digits
+#[command(after_help = "Examples:
+  bearing-watch sign --key vendor.key --new
+  bearing-watch sign drive.bwm --key vendor.key --counter 2
+  bearing-watch sign drive.bwm --key vendor.key --verify --least 2")]
+pub(super) struct Args {
+    /// The model file; without one the public key is printed, as arrays for firmware
+    model: Option<PathBuf>,
+    /// File of the private key; to verify, also the public key in 64 hexadecimal digits
     #[arg(long, value_name = "KEY")]
     key: String,
+    /// Make this private key, and print its public one
+    #[arg(long, conflicts_with = "model")]
+    new: bool,
+    /// Number of the model: firmware refuses a lower one than it was told, so that an old model cannot come back
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "model")]
+    counter: u32,
+    /// Another file for the signed model
+    #[arg(long, value_name = "FILE", requires = "model")]
+    out: Option<PathBuf>,
+    /// Verify the signature instead, as firmware does
+    #[arg(long, requires = "model", conflicts_with_all = ["counter", "out"])]
+    verify: bool,
     /// The least counter that is accepted
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "verify")]
     least: u32,
 }
 
-pub(super) fn keys(args: &KeysArgs) -> Result<(), Error> {
-    let pair = if args.new { create(&args.key)? } else { read(&args.key)? };
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    match &args.model {
+        None => keys(args),
+        Some(model) if args.verify => verify(args, model),
+        Some(model) => sign(args, model),
+    }
+}
+
+fn keys(args: &Args) -> Result<(), Error> {
+    let path = Path::new(&args.key);
+    let pair = if args.new { create(path)? } else { read(path)? };
     let public: PublicKey = *pair.pk;
     output::say(format!("key {}", hexadecimal(&key_id(&public))))?;
     output::say(format!("public key {}", hexadecimal(&public)))?;
@@ -76,32 +72,33 @@ pub(super) fn keys(args: &KeysArgs) -> Result<(), Error> {
     output::say(format!("static const uint8_t key[32] = {{{rows}\n}};"))
 }
 
-pub(super) fn sign(args: &SignArgs) -> Result<(), Error> {
-    let pair = read(&args.key)?;
-    let mut bytes = unsigned(&args.model)?;
-    let length = u32::try_from(bytes.len()).map_err(|_| Error::content(&args.model, "model", "it is too long"))?;
+fn sign(args: &Args, model: &Path) -> Result<(), Error> {
+    let key_file = PathBuf::from(&args.key);
+    let pair = read(&key_file)?;
+    let mut bytes = unsigned(model)?;
+    let length = u32::try_from(bytes.len()).map_err(|_| Error::content(model, "model", "it is too long"))?;
     bytes.extend(head(length, &pair.pk, args.counter));
     bytes.extend(*pair.sk.sign(&bytes, None));
-    let out = args.out.as_deref().unwrap_or(&args.model);
-    output::plan(&[out], std::slice::from_ref(&args.key))?;
+    let out = args.out.as_deref().unwrap_or(model);
+    output::plan(&[out], std::slice::from_ref(&key_file))?;
     output::write(out, bytes)?;
     let key = hexadecimal(&key_id(&pair.pk));
     output::say(format!("{}: signed by key {key}, counter {}", out.display(), args.counter))
 }
 
-pub(super) fn verify(args: &VerifyArgs) -> Result<(), Error> {
+fn verify(args: &Args, model: &Path) -> Result<(), Error> {
     let key = match bytes_of(&args.key) {
         Some(key) => key,
         None => *read(Path::new(&args.key))?.pk,
     };
-    let bytes = std::fs::read(&args.model).map_err(Error::io(&args.model))?;
+    let bytes = std::fs::read(model).map_err(Error::io(model))?;
     let trust = Trust { keys: &[key], least_counter: args.least };
-    let wrong = |problem: String| Error::content(&args.model, "signature", problem);
+    let wrong = |problem: String| Error::content(model, "signature", problem);
     let signed = trust.verify(&bytes).map_err(|error| wrong(error.to_string()))?;
     if signed.length != bytes.len() {
         return Err(wrong("more bytes follow it".into()));
     }
-    let name = args.model.display();
+    let name = model.display();
     output::say(format!("{name}: signed by key {}, counter {}", hexadecimal(&key_id(&key)), signed.counter))
 }
 
@@ -132,7 +129,7 @@ fn create(path: &Path) -> Result<KeyPair, Error> {
 fn read(path: &Path) -> Result<KeyPair, Error> {
     let text = std::fs::read_to_string(path).map_err(Error::io(path))?;
     let seed = text.strip_prefix(TITLE).and_then(|rest| bytes_of(rest.trim()));
-    let seed = seed.ok_or_else(|| Error::content(path, "key", "no private key of `bearing-watch keys --new`"))?;
+    let seed = seed.ok_or_else(|| Error::content(path, "key", "no private key of `bearing-watch sign --new`"))?;
     KeyPair::try_from_seed(Seed::new(seed)).map_err(|_| Error::content(path, "key", "no key can be zero"))
 }
 

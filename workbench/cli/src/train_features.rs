@@ -8,15 +8,15 @@ use model::Error;
 use model::outputs::Exports;
 use model::session::description;
 
-/// Train a model from tables of features, or from their sums, in constant memory
+/// Train a model from tables of features, in constant memory
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:
   bearing-watch train-features a.parquet b.parquet --features a,b --unit drive --model out.bwm --rust model.rs
 
 Means, covariances, projection, discriminant, and the spread of runs or drives are functions of sums: they are those \
 of `train` on the same segments. Different are:
-  - the tails of the gate's law come from a second pass over the parts (skipped by --one-pass); sums alone leave their \
-prior probabilities, and the gate is a little further out;
+  - the tails of the gate's law come from a second pass over the parts (skipped by --one-pass, which leaves their \
+prior probabilities: the gate is a little further out);
   - errors of features enter as the mean excess over the usual ones of the plan, by class, not by segment;
   - segments that lack a feature do not count for the spread of runs and drives;
   - trends of runs are not found, and the draws for the likelihood ratios of the alarm are of means and covariances;

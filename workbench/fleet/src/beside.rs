@@ -42,10 +42,10 @@ pub(super) fn keys(part: &Path) -> Vec<(String, String)> {
     part.ancestors().skip(1).map_while(|folder| key_of(&file_name(folder))).collect()
 }
 
-/// These files, and the parts and sums in these folders and below; names with a leading `_` or `.` are left out, as in
+/// These files, and the parts in these folders and below; names with a leading `_` or `.` are left out, as in
 /// lakes.
 pub(super) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
-    let is_part = |path: &Path| path.extension().is_some_and(|end| end == "parquet" || end == "sums");
+    let is_part = |path: &Path| path.extension().is_some_and(|end| end == "parquet");
     let is_scratch = |path: &Path| file_name(path).starts_with('_');
     let walk = Walk {
         links: false,
@@ -61,7 +61,7 @@ pub(super) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
             all.push(path.clone());
         }
         if all.len() == before {
-            return Err(Error::content(path, "content", "no part in this folder: no file .parquet or .sums"));
+            return Err(Error::content(path, "content", "no part in this folder: no file .parquet"));
         }
     }
     Ok(all)
@@ -86,13 +86,13 @@ mod tests {
     #[test]
     fn folders_are_searched_below_and_left_out_names_are_not() {
         let folder = tempfile::tempdir().expect("a folder");
-        for name in ["b.parquet", "a/c.sums", "a/notes.txt", "_tmp/x.parquet", "a/.y.parquet", "b.plan.json"] {
+        for name in ["b.parquet", "a/c.parquet", "a/notes.txt", "_tmp/x.parquet", "a/.y.parquet", "b.plan.json"] {
             let path = folder.path().join(name);
             std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
             std::fs::write(path, "").expect("written");
         }
         let parts = files(&[folder.path().into()]).expect("files");
-        assert_eq!(parts, ["a/c.sums", "b.parquet"].map(|name| folder.path().join(name)));
+        assert_eq!(parts, ["a/c.parquet", "b.parquet"].map(|name| folder.path().join(name)));
         let none = files(&[folder.path().join("_tmp")]).map(|files| files.len());
         assert_eq!(none.expect("a folder that is named itself"), 1);
         let refused = files(&[tempfile::tempdir().expect("a folder").path().into()]).expect_err("empty").to_string();

@@ -120,17 +120,13 @@ pub fn classes(sums: &Sums, asked: &[String]) -> Result<Vec<String>, Error> {
 }
 
 impl Fit {
-    /// Fits the recipe to finished sums of all features of its [`Choice`].
+    /// Fits the recipe to sums of all features of its [`Choice`].
     ///
     /// # Errors
-    /// Too few rows of a class, features that are constant or depend on each other, and features without sums.
+    /// Too few rows of a class, and features that are constant or depend on each other.
     pub fn new(sums: &Sums, classes: &[String], recipe: &Recipe, independent: Independent) -> Result<Self, Error> {
         let plan = sums.plan.clone();
-        let Choice { chosen, features } = Choice::new(&plan, recipe)?;
-        if let Some(name) = features.iter().find(|name| !sums.features.contains(name)) {
-            let there = sums.features.join(", ");
-            return Err(Error::Usage(format!("the sums are of {there}, without {name}; sum the parts with it")));
-        }
+        let Choice { chosen, .. } = Choice::new(&plan, recipe)?;
         check(classes, sums, recipe)?;
         let names: Vec<String> = chosen.iter().map(|place| plan.features[*place].clone()).collect();
         let place = |name: &String| sums.features.iter().position(|own| own == name).unwrap_or(0);

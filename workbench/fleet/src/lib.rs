@@ -1,26 +1,20 @@
 //! Training from tables of features, of any number of drives, in constant memory.
 //!
 //! ```text
-//! traces ─► core ─► part (rows: segments) ─► sums ─┬─► merge, in any tree ─► model
-//!                   part ──────────────────► sums ─┘
+//! traces ─► core ─► part (rows: segments) ─┬─► sums ─► model
+//!                   part ──────────────────┘
 //! ```
 //!
-//! Traces, or tables of their features, enter; a model of many drives leaves, and the sums of which it is made, so that
-//! further drives can be added.
+//! Traces, or tables of their features, enter; a model of many drives leaves.
 //!
 //! A [`Part`] is a Parquet file with the features of segments and the [`Plan`] of the detector that computed them. Its
-//! sums by drive, run and class are exact ([`exact`]), so that the model does not depend on the order of the rows or on
-//! the tree of the merges.
-//!
-//! | module | content |
-//! |---|---|
-//! | [`steps`] | the steps, from files to files |
-//! | [`exact`] | sums without rounding |
+//! sums by drive, run and class have twice the precision, so that the bytes of the model do not depend on the order of
+//! the rows or on their parts. [`steps`] are the steps, from files to files.
 
 mod beside;
 mod complete;
+mod double;
 mod errors;
-pub mod exact;
 mod fingerprint;
 mod fit;
 mod fold;
@@ -36,7 +30,7 @@ mod writer;
 pub use beside::plan_file;
 pub use fingerprint::fingerprint;
 pub use fit::{Choice, Fit, Independent, classes};
-pub use fold::{Units, fold};
+pub use fold::fold;
 pub use group::{Closed, Group, Level};
 pub use names::RESERVED;
 pub use part::{Batch, Part, Wanted};

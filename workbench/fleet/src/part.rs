@@ -27,7 +27,7 @@ use parquet::file::statistics::Statistics;
 
 use super::Plan;
 use super::beside::{keys, plan_beside};
-use super::exact::LARGEST;
+use super::double::LARGEST;
 use super::names::{PLAN, SORTED, TEXTS, variance_of};
 use model::Error;
 use model::near::among;
@@ -61,8 +61,6 @@ pub struct Part {
 pub struct Wanted {
     /// Names of the features.
     pub features: Vec<String>,
-    /// The choice that needs them, as it was given.
-    pub chosen: Vec<String>,
     /// Conditions on columns of text.
     pub conditions: Vec<Condition>,
 }

@@ -2,7 +2,7 @@
 //! follow.
 //!
 //! A distance adds the logarithms of its density for 17 tails; a score of a rising coordinate is counted in a bin of
-//! 1/256 of asinh y. Both merge without rounding. If groups (runs, or drives) count, a distance is that from the mean
+//! 1/256 of asinh y. Both merge in any order. If groups (runs, or drives) count, a distance is that from the mean
 //! of its group, so that the rows of a group are kept until it is complete.
 
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::exact::Exact;
+use super::double::Double;
 use super::fold::{Visitor, each_slice};
 use super::{Batch, Fit, Independent, Part, Wanted};
 use model::Error;
@@ -23,36 +23,36 @@ const BINS: f64 = 256.0;
 /// Segments of a group that are kept for its mean; of a larger group the others are left out.
 const MOST: usize = 500_000;
 
-/// Exact sums of likelihoods.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// Sums of likelihoods.
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Sum {
     count: u64,
-    each: Vec<Exact>,
+    each: Vec<Double>,
 }
 
 impl Sum {
     fn add(&mut self, densities: Option<&TailDensities>, squared: f64) {
         let Some(densities) = densities else { return };
         let all = densities.each(squared);
-        self.each.resize(all.len(), Exact::default());
+        self.each.resize(all.len(), Double::default());
         self.each.iter_mut().zip(all).for_each(|(sum, x)| sum.add(x));
         self.count += 1;
     }
 
     fn merge(&mut self, other: &Self) {
         self.count += other.count;
-        self.each.resize(self.each.len().max(other.each.len()), Exact::default());
-        self.each.iter_mut().zip(&other.each).for_each(|(sum, more)| sum.merge(more));
+        self.each.resize(self.each.len().max(other.each.len()), Double::default());
+        self.each.iter_mut().zip(&other.each).for_each(|(sum, more)| sum.merge(*more));
     }
 
     /// The likelihoods; zeros, which tell nothing, without any distance; `None` if tails cannot be told apart.
     fn likelihoods(&self, densities: Option<&TailDensities>) -> Option<Likelihoods> {
-        densities.map(|_| std::array::from_fn(|k| self.each.get(k).map_or(0.0, Exact::value)))
+        densities.map(|_| std::array::from_fn(|k| self.each.get(k).map_or(0.0, |sum| sum.value())))
     }
 }
 
 /// Likelihoods of the tails by the left-out distances of healthy segments.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tails {
     all: Sum,
     others: Sum,
@@ -199,7 +199,7 @@ impl<'a> Judge<'a> {
             return;
         }
         let first = self.fit.coordinates() - self.fit.rising;
-        let mut sums = vec![Exact::default(); width];
+        let mut sums = vec![Double::default(); width];
         rows.chunks(width).for_each(|row| sums.iter_mut().zip(row).for_each(|(sum, x)| sum.add(*x)));
         let mean = DVector::from_iterator(width, sums.iter().map(|sum| sum.value() / n as f64));
         let wider = (n as f64 / (n as f64 - 1.0)).sqrt();

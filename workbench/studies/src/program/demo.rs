@@ -1,4 +1,4 @@
-//! The command of the demo, `bearing-watch demo` and `cargo demo`: options in, files and a report out.
+//! `bearing-watch-studies demo`, which is `cargo demo`.
 
 use std::path::{Path, PathBuf};
 
@@ -6,18 +6,19 @@ use serde_json::{Value, json};
 
 use model::Error;
 use model::outputs;
-use model::session::{Log, Notes};
+use model::session::{Notes, Progress as _};
 use model::trace::{Channels, Preparation, stem};
 use model::train::c_header::c_header;
 use model::train::export;
 
-use super::{Draw, Row, Settings, rows};
-use crate::pages::demo::page;
+use super::output::{self, Output};
+use bearing_watch_studies::demo::{CLASSES, Draw, Row, Settings, draw, rows};
+use bearing_watch_studies::pages::demo::page;
 
 /// The whole chain on the simulated standard rig: traces, training, verdicts of the embedded detector, plots
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  bearing-watch demo --out demo.html")]
-pub struct Args {
+#[command(after_help = "Example:\n  bearing-watch-studies demo --out demo.html")]
+pub(crate) struct Args {
     /// The page with the plots
     #[arg(long, value_name = "FILE", default_value = "bearing-watch-demo.html")]
     out: PathBuf,
@@ -36,23 +37,11 @@ pub struct Args {
     model: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
-    pub json: bool,
-}
-
-/// What the demo reports: the lines that it prints, and the value of `--json`.
-#[derive(Clone, Debug)]
-pub struct Report {
-    /// Lines.
-    pub lines: Vec<String>,
-    /// The first draw, and the error rates of the methods.
-    pub json: Value,
+    json: bool,
 }
 
 /// Simulates, trains, evaluates, and writes the page and the files of the model.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn run(args: &Args, log: &Log<'_>) -> Result<Report, Error> {
+pub(crate) fn run(args: &Args, output: Output) -> Result<(), Error> {
     let settings = Settings { repetitions: args.repetitions, traces: args.traces, seed: u32::from(args.seed) };
     let model_files =
         args.model.as_ref().map(|folder| ["model.rs", "model.h", "model.bwm", "held_out.bin"].map(|f| folder.join(f)));
@@ -61,12 +50,12 @@ pub fn run(args: &Args, log: &Log<'_>) -> Result<Report, Error> {
     }
     let outputs: Vec<&Path> = model_files.iter().flatten().map(PathBuf::as_path).chain([args.out.as_path()]).collect();
     outputs::plan(&outputs, &[])?;
-    let count = settings.repetitions * settings.traces * 2 * super::CLASSES.len() as u32;
-    let done = log.steps("simulating", count as usize);
-    let first = super::draw(&settings, 0, || done(1))?;
+    let count = settings.repetitions * settings.traces * 2 * CLASSES.len() as u32;
+    let done = output.start("simulating", count as usize);
+    let first = draw(&settings, 0, || done(1))?;
     let mut repetitions = vec![first.repetition.clone()];
     for k in 1..settings.repetitions {
-        repetitions.push(super::draw(&settings, k, || done(1))?.repetition);
+        repetitions.push(draw(&settings, k, || done(1))?.repetition);
     }
     drop(done);
     let rows = rows(&repetitions);
@@ -75,7 +64,10 @@ pub fn run(args: &Args, log: &Log<'_>) -> Result<Report, Error> {
     let mut files = vec![(args.out.as_path(), page.as_bytes())];
     files.extend(model_files.iter().flatten().map(PathBuf::as_path).zip(contents.iter().map(Vec::as_slice)));
     outputs::write_all(&files)?;
-    Ok(Report { lines: lines(&settings, &first, &rows, &args.out), json: to_json(&first, &rows) })
+    if args.json {
+        return output::json(&to_json(&first, &rows));
+    }
+    lines(&settings, &first, &rows, &args.out).iter().try_for_each(output::say)
 }
 
 /// Returns the model as Rust source, as C header and in binary form, and the recording of held-out traces.
@@ -95,7 +87,7 @@ fn model_contents(first: &Draw) -> Result<[Vec<u8>; 4], Error> {
 /// u1, u2 as `i16`, little-endian; value = limit · count / 2¹⁵.
 fn converter_counts(first: &Draw) -> Vec<u8> {
     let mut bytes = Vec::new();
-    for class in 0..super::CLASSES.len() {
+    for class in 0..CLASSES.len() {
         let Some(held_out) = first.validation.iter().find(|t| t.class == class) else { continue };
         let trace = &held_out.trace;
         for k in 0..trace.y.len() {

@@ -1,14 +1,42 @@
-//! Command-line tests of `bearing-watch tables`, and results of the literal method and ours on the rig.
+//! Tests of the program of studies, and results of the literal method and ours on the rig.
 
-use crate::common::{self, refuse, succeed};
-use crate::form::{fit, schema};
+use std::path::Path;
+use std::process::{Command, Output};
+
+use bearing_watch_studies as studies;
 use serde_json::Value;
 use studies::demo::{self, Settings as DemoSettings};
-use studies::tables::{Id, Settings, Table, run};
+use studies::tables::{Id, Settings, Table};
+
+/// Runs the program in a folder; the arguments are separated by spaces.
+fn run(folder: &Path, arguments: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bearing-watch-studies"));
+    command.current_dir(folder).args(arguments.split_whitespace()).output().expect("the program starts")
+}
+
+/// Standard output of a study that must succeed, as JSON.
+fn json(folder: &Path, arguments: &str) -> Value {
+    let output = run(folder, arguments);
+    assert!(output.status.success(), "{arguments}\n{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// Runs a study that must fail: exit code 2, a line of error with these words, no output, and no new file.
+fn refuse(folder: &Path, arguments: &str, expected: &[&str]) {
+    let files = || std::fs::read_dir(folder).expect("a folder").count();
+    let before = files();
+    let output = run(folder, arguments);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{arguments}\n{error}");
+    for words in expected {
+        assert!(error.starts_with("error: ") && error.contains(words), "{arguments}\nmissing {words:?} in {error}");
+    }
+    assert_eq!(files(), before, "{arguments}");
+}
 
 fn make(repetitions: u32, seed: u32, numbers: &[&str]) -> Vec<Table> {
     let tables = numbers.iter().map(|n| Id::parse(n).expect("a table")).collect();
-    run(&Settings { repetitions, seed, tables }, || ()).expect("the standard rig")
+    studies::tables::run(&Settings { repetitions, seed, tables }, || ()).expect("the standard rig")
 }
 
 fn mean(table: &Table, row: &str, column: &str) -> f64 {
@@ -21,7 +49,7 @@ fn all_tables_as_text_json_csv_and_page() {
     let dir = folder.path();
     // One table of the actuator stands for all, whose traces take longest.
     let only = "2.2,3.1,3.2,4.1,4.2,4.3,4.4,piecewise,5.2";
-    let output = common::run(dir, &format!("tables --repetitions 2 --only {only} --out t.csv --report t.html"));
+    let output = run(dir, &format!("tables --repetitions 2 --only {only} --out t.csv --report t.html"));
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{words}");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -73,8 +101,7 @@ fn all_tables_as_text_json_csv_and_page() {
     assert!(csv.contains("\"validation, with PCA\",published,published,28.33,,") && !csv.contains("NaN"), "{csv}");
 
     let one = "tables --repetitions 2 --only 4.1 --json";
-    let json: Value = serde_json::from_str(&succeed(dir, one)).expect("JSON");
-    fit(&schema("tables"), &json);
+    let json = json(dir, one);
     let tables = json["tables"].as_array().expect("a list");
     assert_eq!(tables.iter().map(|t| t["id"].as_str()).collect::<Vec<_>>(), [Some("overview"), Some("4.1")]);
     let cells = &tables[1]["rows"][3]["cells"];
@@ -94,7 +121,7 @@ fn sections(text: &str) -> Vec<(&str, Vec<&str>)> {
 }
 
 #[test]
-fn bad_input_is_one_line() {
+fn bad_input_is_refused() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
     refuse(dir, "tables --only 4.9", &["no table \"4.9\"", "2.2, 3.1"]);
@@ -102,6 +129,44 @@ fn bad_input_is_one_line() {
     refuse(dir, "tables --repetitions 0", &["--repetitions"]);
     refuse(dir, "tables --repetitions 1 --only 4.1 --out absent/t.csv", &["absent"]);
     refuse(dir, "tables --repetitions 1 --only 4.1 --out t.x --report t.x", &["two outputs"]);
+    refuse(dir, "campaign --field --only slipp", &["no row slipp; there are mix, temperature"]);
+    refuse(dir, "campaign --field --features drag_scores", &["no drag_scores in this model"]);
+    refuse(dir, "campaign --only slip", &["no row slip; there are standard, mix, amplitude-0.5"]);
+    refuse(dir, "campaign --ema --only mix", &["cannot be used with"]);
+    for other in ["--quick", "--traces 20", "--limits --report page.html"] {
+        refuse(dir, &format!("campaign --field {other}"), &["cannot be used with"]);
+    }
+}
+
+#[test]
+fn a_row_without_a_usable_feature_is_reported_as_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let row = "campaign --field --draws 1 --only no-load-sensor --features inverse_kt_score";
+    let output = run(dir, &format!("{row} --out counts.csv"));
+    let (said, words) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && words.starts_with("No condition has a result: training refused"), "{words}");
+    let reason = "none of the features exists without a load sensor";
+    assert!(said.contains(&format!("no-load-sensor, gate, 1 of 1: {reason}")), "{said}");
+    let csv = std::fs::read_to_string(dir.join("counts.csv")).expect("counts");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[0], "row,draw,kind,column,counted,opposite,undetermined,refused");
+    assert_eq!(lines[1..], [format!("no-load-sensor,0,detected,,,,,{reason}")]);
+    let json = json(dir, &format!("{row} --json"));
+    assert_eq!((json["draws"].as_u64(), json["healthy_training"].as_u64()), (Some(1), Some(150)));
+    assert_eq!(json["rows"][0]["refused"][0]["reason"], reason);
+    assert_eq!(json["columns"].as_array().map(Vec::len), Some(8));
+}
+
+#[test]
+fn the_demo_and_a_quick_campaign_are_json() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let demo = json(dir, "demo --repetitions 1 --traces 8 --out demo.html --json");
+    assert!(demo["first_draw"].is_object() && demo["methods"].is_array() && dir.join("demo.html").is_file(), "{demo}");
+    let campaign = json(dir, "campaign --repetitions 1 --traces 12 --quick --only amplitude-2,frequency-2 --json");
+    assert!(campaign["figures"].as_array().is_some_and(|all| !all.is_empty()), "{campaign}");
+    assert!(campaign["false_alarms"].as_array().is_some_and(Vec::is_empty), "{campaign}");
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! The records of one row of the table of the field, for other programs: the same seeds as those of
-//! `bearing-watch campaign --field`.
+//! `bearing-watch-studies campaign --field`.
 //!
 //! `field_records ROW DRAW` writes to standard output one line of JSON, and then the records as binary numbers (f64,
 //! little endian), set by set in the order of the header, record by record, column by column. `sets` of the header
@@ -8,11 +8,11 @@
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 
+use bearing_watch_studies::campaign::{Cell, map_traces};
+use bearing_watch_studies::field::Settings;
+use bearing_watch_studies::field::rows::{CLASSES, Row, named};
 use rig::{Defect, Scenario};
 use serde_json::json;
-use studies::campaign::{Cell, map_traces};
-use studies::field::Settings;
-use studies::field::rows::{CLASSES, Row, named};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -7,17 +7,12 @@
 //! μ_c and Σ are mean and pooled covariance of the features of traces of the DC rig, whose detector is the plan: a
 //! model of such a fleet runs on traces of the rig.
 
-#[cfg(test)]
-mod tests;
-
-use std::path::Path;
-
 use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use fleet::{Origin, Plan, Row, Writer};
+use bearing_watch_fleet::{Origin, Plan, Row};
 use model::Error;
 use model::identify::Structure;
 use model::trace::{Channels, Preparation};
@@ -36,7 +31,8 @@ const SHARES: [f64; 3] = [0.3, 0.2, 0.5];
 /// The fleet to simulate.
 #[derive(Clone, Debug)]
 pub struct Fleet {
-    plan: Plan,
+    /// The detector.
+    pub plan: Plan,
     classes: Vec<String>,
     means: Vec<DVector<f64>>,
     root: nalgebra::DMatrix<f64>,
@@ -82,27 +78,8 @@ impl Fleet {
         Ok(Self { plan, classes, means, root, segments, runs, seed })
     }
 
-    /// Writes the drives with these numbers as a part; `done` is called after each.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn write(
-        &self,
-        to: impl std::io::Write + Send,
-        path: &Path,
-        drives: std::ops::Range<u64>,
-        done: impl Fn(),
-    ) -> Result<u64, Error> {
-        let mut writer = Writer::new(to, path, &self.plan, &[])?;
-        for drive in drives {
-            self.drive(drive).try_for_each(|row| writer.add(row))?;
-            done();
-        }
-        writer.finish().map(|(rows, _)| rows)
-    }
-
     /// The rows of one drive.
-    pub(super) fn drive(&self, drive: u64) -> impl Iterator<Item = Row> {
+    pub fn drive(&self, drive: u64) -> impl Iterator<Item = Row> {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(drive);
         let mut normal =

@@ -1,5 +1,7 @@
 //! Parts, sums and models of small simulated fleets.
 
+mod simulated;
+
 use std::path::{Path, PathBuf};
 
 use nalgebra::{DMatrix, DVector};
@@ -7,9 +9,9 @@ use rand::seq::SliceRandom;
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::Fleet;
-use fleet::*;
+use bearing_watch_fleet::*;
 use model::train::{Alarms, Recipe};
+use simulated::Fleet;
 
 const FEATURES: [&str; 6] = ["a1", "a2", "b1", "c1", "c2", "log_variance"];
 
@@ -36,61 +38,52 @@ fn wanted() -> Wanted {
     Wanted { features: FEATURES.map(String::from).into(), ..Wanted::default() }
 }
 
-fn sums(parts: &[Part], units: Units) -> Sums {
-    fold(parts, &wanted(), units, &|_| ()).expect("sums")
+fn sums(parts: &[Part]) -> Sums {
+    fold(parts, &wanted(), &|_| ()).expect("sums")
 }
 
-fn fit(sums: Sums) -> Fit {
-    let sums = sums.finish().expect("finished");
-    let classes = classes(&sums, &[]).expect("classes");
+fn fit(sums: &Sums) -> Fit {
+    let classes = classes(sums, &[]).expect("classes");
     let alarms = Alarms { healthy: Some(0), by_run: true, ..Alarms::default() };
     let features = vec!["a".into(), "log_variance".into()];
     let recipe = Recipe { features, alarms, ..sums.plan.recipe() };
-    Fit::new(&sums, &classes, &recipe, Independent::Runs).expect("a fit")
+    Fit::new(sums, &classes, &recipe, Independent::Runs).expect("a fit")
+}
+
+/// The bytes of the model of parts.
+fn model(parts: &[Part]) -> Vec<u8> {
+    let fit = fit(&sums(parts));
+    let distances = tails(parts, &fit, &wanted(), &|_| ()).expect("distances");
+    fit.train(distances.as_ref()).expect("a model").0.to_bytes("").expect("bytes")
 }
 
 #[test]
-fn trees_of_any_shape_give_the_same_sums_and_the_same_model() {
+fn parts_of_any_split_give_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let (plan, rows) = fleet();
-    let whole = write(folder.path().join("whole.parquet"), &plan, &rows);
+    let at = |name: &str| folder.path().join(name);
+    let whole = write(at("whole.parquet"), &plan, &rows);
     assert!(whole.sorted);
-    let expected = sums(std::slice::from_ref(&whole), Units::Open);
-    let closed = fit(sums(std::slice::from_ref(&whole), Units::Closed));
-    let distances = tails(std::slice::from_ref(&whole), &closed, &wanted(), &|_| ()).expect("distances");
-    let print = fingerprint(&closed.train(distances.as_ref()).expect("a model").0).expect("a model");
+    let expected = model(std::slice::from_ref(&whole));
     let mut random = ChaCha8Rng::seed_from_u64(9);
-    for round in 0..2 {
+    for round in 0..4 {
         // Each row into any of five parts, in any order: drives are in several parts.
         let mut mixed = rows.clone();
         mixed.shuffle(&mut random);
-        let place = |k: usize| folder.path().join(format!("{round}_{k}.parquet"));
         let mut pieces: Vec<Vec<Row>> = vec![vec![]; 5];
         mixed.into_iter().for_each(|row| pieces[random.random_range(0..5)].push(row));
-        let parts: Vec<Part> = pieces.iter().enumerate().map(|(k, rows)| write(place(k), &plan, rows)).collect();
-        let mut trees: Vec<Sums> = parts.iter().map(|part| sums(std::slice::from_ref(part), Units::Open)).collect();
-        while trees.len() > 1 {
-            let one = trees.swap_remove(random.random_range(0..trees.len()));
-            let other = random.random_range(0..trees.len());
-            let packed = Sums::from_bytes(&one.to_bytes().expect("bytes")).expect("the same");
-            trees[other].merge(packed).expect("alike");
-        }
-        assert_eq!(trees[0].to_bytes().expect("bytes"), expected.to_bytes().expect("bytes"));
-        let fit = fit(trees.remove(0));
-        let trained = fit.train(distances.as_ref()).expect("a model").0;
-        assert_eq!(fingerprint(&trained).expect("a model"), print);
+        let named = pieces.iter().enumerate();
+        let parts: Vec<Part> = named.map(|(k, rows)| write(at(&format!("{round}_{k}.parquet")), &plan, rows)).collect();
+        assert!(model(&parts) == expected, "round {round}");
     }
     // Ascending parts that share drives: rows of a drive are joined, in one pass and in constant memory.
-    let months: Vec<Part> = (0..2)
-        .map(|month| {
-            let own: Vec<Row> = rows.iter().filter(|row| row.segment % 2 == month).cloned().collect();
-            write(folder.path().join(format!("month{month}.parquet")), &plan, &own)
-        })
-        .collect();
-    assert!(months.iter().all(|part| part.sorted));
-    let joined = fit(sums(&months, Units::Closed));
-    let again = tails(&months, &joined, &wanted(), &|_| ()).expect("distances");
-    assert_eq!(fingerprint(&joined.train(again.as_ref()).expect("a model").0).expect("a model"), print);
+    let of_month = |month: u32| rows.iter().filter(|row| row.segment % 2 == month).cloned().collect::<Vec<Row>>();
+    let months = [0, 1].map(|month| write(at(&format!("month{month}.parquet")), &plan, &of_month(month)));
+    assert!(months.iter().all(|part| part.sorted) && model(&months) == expected);
+    // Parts that follow each other, given the other way round.
+    let halves = [(1, &rows[120..]), (0, &rows[..120])];
+    let halves = halves.map(|(k, rows)| write(at(&format!("half{k}.parquet")), &plan, rows));
+    assert!(model(&halves) == expected);
 }
 
 /// Mean and scatter in two passes.
@@ -103,7 +96,7 @@ fn two_passes(rows: &[DVector<f64>]) -> (DVector<f64>, DMatrix<f64>) {
 fn sums_have_the_moments_of_two_passes() {
     let folder = tempfile::tempdir().expect("a folder");
     let (plan, rows) = fleet();
-    let found = sums(&[write(folder.path().join("a.parquet"), &plan, &rows)], Units::Closed);
+    let found = sums(&[write(folder.path().join("a.parquet"), &plan, &rows)]);
     assert_eq!(found.rows, 240);
     let own: Vec<&Row> = rows.iter().filter(|row| row.texts[1] == "healthy").collect();
     let values = |keep: &dyn Fn(&Row) -> bool| -> Vec<DVector<f64>> {
@@ -158,35 +151,19 @@ fn a_part_gives_back_the_bits_of_its_features_and_the_detector_of_its_plan() {
 }
 
 #[test]
-fn what_cannot_be_merged_is_refused_by_name() {
+fn what_is_no_part_of_the_same_plan_is_refused_by_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let (plan, rows) = fleet();
     let at = |name: &str| folder.path().join(name);
-    let [one, two] = [("one", 0..120), ("two", 114..240)].map(|(name, some)| write(at(name), &plan, &rows[some]));
-    let mut closed = sums(std::slice::from_ref(&one), Units::Remembered);
-    let both = closed.merge(sums(std::slice::from_ref(&two), Units::Remembered)).expect_err("a drive twice");
-    assert!(both.to_string().contains("sum the parts with this drive in one command"), "{both}");
-    let open = closed.merge(sums(std::slice::from_ref(&two), Units::Open)).expect_err("a drive twice").to_string();
-    assert!(open.contains("drive drive000000019 is in several sums"), "{open}");
     let mut other = plan.clone();
     other.usual[0] = 1.0;
-    let parts = [one, write(at("three"), &other, &rows[..6])];
-    let different = fold(&parts, &wanted(), Units::Closed, &|_| ()).expect_err("two plans").to_string();
+    let parts = [write(at("one"), &plan, &rows[..6]), write(at("three"), &other, &rows[..6])];
+    let different = fold(&parts, &wanted(), &|_| ()).expect_err("two plans").to_string();
     assert!(different.contains("three have different plans: usual [0.0,"), "{different}");
-    let mut bytes = closed.to_bytes().expect("bytes");
-    let last = bytes.len() - 1;
-    bytes[last] ^= 1;
-    assert!(Sums::from_bytes(&bytes).expect_err("damaged").contains("checksum differs"));
-    assert!(Sums::from_bytes(b"bearing-watch sums 9\n").expect_err("a later one").contains("no sums of this version"));
-    let mut shorter = closed.clone();
-    shorter.features.pop();
-    let forged = Sums::from_bytes(&shorter.to_bytes().expect("bytes")).expect_err("lengths of other features");
-    assert!(forged.contains("their lengths differ"), "{forged}");
     let text = plan.to_json().replace("\"version\":1", "\"version\":7");
     assert!(Plan::parse(&text).expect_err("a later one").contains("version 7, not 1"));
     assert!(Part::open(Path::new("Cargo.toml")).expect_err("no part").to_string().contains("not readable as Parquet"));
     let empty = write(at("empty"), &plan, &[]);
-    assert_eq!(sums(std::slice::from_ref(&empty), Units::Closed).rows, 0);
-    let none = classes(&sums(&[empty], Units::Closed), &[]).expect("no class");
-    assert!(none.is_empty());
+    assert_eq!(sums(std::slice::from_ref(&empty)).rows, 0);
+    assert!(classes(&sums(&[empty]), &[]).expect("no class").is_empty());
 }

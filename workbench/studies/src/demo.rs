@@ -1,8 +1,6 @@
 //! The complete chain on the standard rig: simulate, train, evaluate held-out traces with the embedded detector,
 //! and compare with the source's method on the same traces.
 
-pub mod command;
-
 use rayon::prelude::*;
 
 use super::literal;

@@ -1,38 +1,38 @@
-//! `bearing-watch campaign`
+//! `bearing-watch-studies campaign`
 
 use std::path::PathBuf;
 
-use super::output;
+use super::output::{self, Output};
+use bearing_watch_studies::campaign::{Settings, campaign, render};
+use bearing_watch_studies::ema;
+use bearing_watch_studies::field::{self, delay, growth, limits};
+use bearing_watch_studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
 use model::Error;
+use model::outputs::{plan, write, write_all};
+use model::session::Progress as _;
 use rig::Condition;
-use studies::campaign::{Settings, campaign, render};
-use studies::ema;
-use studies::field::delay;
-use studies::field::growth;
-use studies::field::{self, limits};
-use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
 
 /// Train and evaluate the detector on the standard rig under every condition, size of defect and set rate, beside the
 /// goals and the source's own method; or, with --field, under the effects of the field, or, with
 /// --ema, on the actuator
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  bearing-watch campaign --repetitions 20 --report campaign.html --out campaign.csv
-  bearing-watch campaign --quick --only mix,amplitude-2 --repetitions 4
-  bearing-watch campaign --field --draws 20
-  bearing-watch campaign --field --draws 2 --only mix,temperature,field-sine --json
-  bearing-watch campaign --field --limits --draws 1
-  bearing-watch campaign --ema --draws 5
-  bearing-watch campaign --ema --default --draws 5
-  bearing-watch campaign --field --delay --draws 1
-  bearing-watch campaign --field --growth --draws 1
+  bearing-watch-studies campaign --repetitions 20 --report campaign.html --out campaign.csv
+  bearing-watch-studies campaign --quick --only mix,amplitude-2 --repetitions 4
+  bearing-watch-studies campaign --field --draws 20
+  bearing-watch-studies campaign --field --draws 2 --only mix,temperature,field-sine --json
+  bearing-watch-studies campaign --field --limits --draws 1
+  bearing-watch-studies campaign --ema --draws 5
+  bearing-watch-studies campaign --ema --default --draws 5
+  bearing-watch-studies campaign --field --delay --draws 1
+  bearing-watch-studies campaign --field --growth --draws 1
 
 With --ema the records are those of the simulated actuator: phase currents and resolver counts at 12 kHz, through the \
 core's front end to 1 kHz, under random conditions, beside the source's method and its calibration. \
 With --field there is one row a condition: a gate of 150 healthy records at 1 % false alarms, trained and judged under \
 this condition with one recipe for all rows; rows that end in -unseen are trained without the missing samples. Records \
 without a verdict are not detected, and are an error of the three classes.")]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// Number of draws of training and validation sets
     #[arg(long, visible_alias = "draws", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=900))]
     repetitions: u32,
@@ -83,59 +83,57 @@ pub(super) struct Args {
     report: Option<PathBuf>,
 }
 
-pub(super) fn run(args: &Args) -> Result<(), Error> {
+pub(crate) fn run(args: &Args, output: Output) -> Result<(), Error> {
     let files = [&args.out, &args.report];
-    output::plan(&files.iter().filter_map(|file| file.as_deref()).collect::<Vec<_>>(), &[])?;
+    plan(&files.iter().filter_map(|file| file.as_deref()).collect::<Vec<_>>(), &[])?;
     if args.field {
-        return run_field(args);
+        return run_field(args, output);
     }
     if args.ema {
-        return run_ema(args);
+        return run_ema(args, output);
     }
     if args.default {
         return Err(Error::Usage("--default is for --field or --ema; the standard rig has one configuration".into()));
     }
     let Args { repetitions, first, traces, .. } = *args;
     let settings = Settings { repetitions, first, traces, false_alarms: !args.quick, only: args.only.clone() };
-    let bar = output::progress("campaign", settings.steps()?);
-    let findings = campaign(settings, || bar.inc(1))?;
-    bar.finish_and_clear();
-    let contents = [output::csv(&render::tidy(&findings))?, page(&findings)];
+    let done = output.start("campaign", settings.steps()?);
+    let findings = campaign(settings, || done(1))?;
+    let contents = [output::csv(&render::tidy(&findings)), page(&findings)];
     let files = files.into_iter().zip(&contents);
     let files = files.filter_map(|(file, content)| file.as_deref().map(|path| (path, content.as_bytes())));
-    output::write_all(&files.collect::<Vec<_>>())?;
+    write_all(&files.collect::<Vec<_>>())?;
     if args.json {
-        return output::json("campaign", render::to_json(&findings));
+        return output::json(&render::to_json(&findings));
     }
-    output::conclude(&conclusion(&findings));
+    output.conclude(&conclusion(&findings));
     output::say(render::text(&findings).trim_end())
 }
 
-fn run_ema(args: &Args) -> Result<(), Error> {
+fn run_ema(args: &Args, output: Output) -> Result<(), Error> {
     let settings =
         ema::Settings { draws: args.repetitions, first: args.first, records: args.traces, default: args.default };
-    let bar = output::progress("actuator", settings.steps());
-    let findings = ema::study(settings, || bar.inc(1))?;
-    bar.finish_and_clear();
+    let done = output.start("actuator", settings.steps());
+    let findings = ema::study(settings, || done(1))?;
     if let Some(path) = &args.out {
-        output::write(path, output::csv(&ema::render::tidy(&findings))?)?;
+        write(path, output::csv(&ema::render::tidy(&findings)))?;
     }
     if args.json {
-        return output::json("campaign-ema", ema::render::to_json(&findings));
+        return output::json(&ema::render::to_json(&findings));
     }
     output::say(ema::render::text(&findings).trim_end())
 }
 
-fn run_field(args: &Args) -> Result<(), Error> {
+fn run_field(args: &Args, output: Output) -> Result<(), Error> {
     if let (Some(path), Some(printed)) = (&args.report, &args.printed) {
         let text = std::fs::read_to_string(printed).map_err(|source| Error::Io { path: printed.clone(), source })?;
-        return output::write(path, field_page(&text)?);
+        return write(path, field_page(&text)?);
     }
     if args.delay {
-        return run_delay(args);
+        return run_delay(args, output);
     }
     if args.growth {
-        return run_growth(args);
+        return run_growth(args, output);
     }
     let rows = field::rows::named(&args.only)?;
     field::recipe::recipe(&Condition::MIX, &args.features).catalogue().choose(&args.features)?;
@@ -145,27 +143,26 @@ fn run_field(args: &Args) -> Result<(), Error> {
         ..field::Settings::standard(args.repetitions, args.first)
     };
     if args.limits {
-        let all = each("limits", &rows, |row| limits::limits(row, args.first))?;
+        let all = each(output, "limits", &rows, |row| limits::limits(row, args.first))?;
         if args.json {
-            return output::json("campaign-limits", limits::to_json(&all));
+            return output::json(&limits::to_json(&all));
         }
         return output::say(limits::text(&all).trim_end());
     }
-    let bar = output::progress("field", rows.len() * settings.draws as usize);
-    let findings = field::study(&rows, &settings, || bar.inc(1))?;
-    bar.finish_and_clear();
+    let done = output.start("field", rows.len() * settings.draws as usize);
+    let findings = field::study(&rows, &settings, || done(1))?;
     if let Some(path) = &args.out {
-        output::write(path, output::csv(&field::render::tidy(&findings, &settings))?)?;
+        write(path, output::csv(&field::render::tidy(&findings, &settings)))?;
     }
     let text = field::render::text(&findings, &settings);
     if let Some(path) = &args.report {
-        output::write(path, field_page(&text)?)?;
+        write(path, field_page(&text)?)?;
     }
     if args.json {
-        return output::json("campaign-field", field::render::to_json(&findings, &settings));
+        return output::json(&field::render::to_json(&findings, &settings));
     }
     if let Ok(words) = field_conclusion(&text) {
-        output::conclude(&words);
+        output.conclude(&words);
     }
     output::say(text.trim_end())
 }
@@ -181,28 +178,33 @@ fn rows_of_runs(args: &Args) -> Result<Vec<(Condition, u32)>, Error> {
     Ok(conditions.iter().flat_map(|condition| draws.clone().map(|draw| (*condition, draw))).collect())
 }
 
-fn run_growth(args: &Args) -> Result<(), Error> {
+fn run_growth(args: &Args, output: Output) -> Result<(), Error> {
     let settings = growth::Settings::STANDARD;
-    let all = each("growth", &rows_of_runs(args)?, |(condition, draw)| growth::draw(*condition, *draw, &settings))?;
+    let all =
+        each(output, "growth", &rows_of_runs(args)?, |(condition, draw)| growth::draw(*condition, *draw, &settings))?;
     if args.json {
-        return output::json("campaign-growth", growth::to_json(&all));
+        return output::json(&growth::to_json(&all));
     }
     output::say(growth::text(&all).trim_end())
 }
 
-fn run_delay(args: &Args) -> Result<(), Error> {
+fn run_delay(args: &Args, output: Output) -> Result<(), Error> {
     let settings = delay::Settings::STANDARD;
-    let all = each("delay", &rows_of_runs(args)?, |(condition, draw)| delay::draw(*condition, *draw, &settings))?;
+    let all =
+        each(output, "delay", &rows_of_runs(args)?, |(condition, draw)| delay::draw(*condition, *draw, &settings))?;
     if args.json {
-        return output::json("campaign-delay", delay::to_json(&all, &settings));
+        return output::json(&delay::to_json(&all, &settings));
     }
     output::say(delay::text(&all, &settings).trim_end())
 }
 
 /// Results of `of` for all items, with progress.
-fn each<T, U>(what: &'static str, items: &[T], of: impl Fn(&T) -> Result<U, Error>) -> Result<Vec<U>, Error> {
-    let bar = output::progress(what, items.len());
-    let results = items.iter().map(|item| of(item).inspect(|_| bar.inc(1))).collect();
-    bar.finish_and_clear();
-    results
+fn each<T, U>(
+    output: Output,
+    what: &'static str,
+    items: &[T],
+    of: impl Fn(&T) -> Result<U, Error>,
+) -> Result<Vec<U>, Error> {
+    let done = output.start(what, items.len());
+    items.iter().map(|item| of(item).inspect(|_| done(1))).collect()
 }
