@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use fleet::Wanted;
 use model::session::{Log, ModelFile, Quiet, Session};
-use model::settings::{DriveFile, Settings};
+use model::settings::DriveFile;
 use model::trace::{Channels, FrontEndFile};
 use traces::given::{Memory, given};
 

@@ -5,16 +5,21 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use super::options::{Job, Taken};
-use super::{
-    audit, completions, confirm, convert, dbc, evaluate, features, grey_box, identify, init, listen, replay, schema,
-    signing, simulate, structure, train, train_features, validate, view,
+use crate::drive::{dbc, listen, replay, signing};
+use crate::identification::{grey_box, identify, structure, validate};
+use crate::recordings::{audit, convert, init, simulate};
+use crate::training::{confirm, evaluate, fleet, train};
+use crate::{schema, view};
+
+use crate::command_line::{
+    help,
+    options::{Job, Taken},
 };
 use model::Error;
 use model::settings::DriveFile;
 
 #[derive(Debug, Subcommand)]
-pub(super) enum Command {
+pub(crate) enum Command {
     Init(Box<init::Args>),
     Audit(Box<audit::Args>),
     Simulate(simulate::Args),
@@ -23,8 +28,8 @@ pub(super) enum Command {
     GreyBox(Box<grey_box::Args>),
     Validate(Box<validate::Args>),
     Train(Box<train::Args>),
-    Features(Box<features::Args>),
-    TrainFeatures(Box<train_features::Args>),
+    Features(Box<fleet::FeaturesArgs>),
+    TrainFeatures(Box<fleet::TrainArgs>),
     Evaluate(Box<evaluate::Args>),
     Replay(Box<replay::Args>),
     Confirm(confirm::Args),
@@ -34,7 +39,7 @@ pub(super) enum Command {
     Convert(Box<convert::Args>),
     Sign(signing::Args),
     Schema(schema::Args),
-    Completions(completions::Args),
+    Completions(help::CompletionsArgs),
 }
 
 /// The settings that a command takes.
@@ -68,12 +73,12 @@ impl Settled for grey_box::Args {
 
 impl Command {
     /// Puts its settings over those of a drive file, and returns an error if one is missing.
-    pub(super) fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
+    pub(crate) fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
         self.settled().map_or(Ok(()), |own| own.join(drive))
     }
 
     /// The text of a drive file at this path with its settings.
-    pub(super) fn text(&mut self, path: &Path) -> Result<String, Error> {
+    pub(crate) fn text(&mut self, path: &Path) -> Result<String, Error> {
         self.settled().map_or(Ok(String::new()), |own| own.text(path))
     }
 
@@ -104,7 +109,7 @@ impl Command {
     }
 
     /// Runs it; an audit that finds something is a failure. `described` makes the description of all commands.
-    pub(super) fn run(&self, described: fn() -> clap::Command) -> Result<ExitCode, Error> {
+    pub(crate) fn run(&self, described: fn() -> clap::Command) -> Result<ExitCode, Error> {
         match self {
             Self::Init(args) => init::run(args),
             Self::Audit(args) => {
@@ -117,8 +122,8 @@ impl Command {
             Self::GreyBox(args) => grey_box::run(args),
             Self::Validate(args) => validate::run(args),
             Self::Train(args) => train::run(args),
-            Self::Features(args) => features::run(args),
-            Self::TrainFeatures(args) => train_features::run(args),
+            Self::Features(args) => fleet::compute(args),
+            Self::TrainFeatures(args) => fleet::train(args),
             Self::Evaluate(args) => evaluate::run(args),
             Self::Replay(args) => replay::run(args),
             Self::Confirm(args) => confirm::run(args),
@@ -128,7 +133,7 @@ impl Command {
             Self::Convert(args) => convert::run(args),
             Self::Sign(args) => signing::run(args),
             Self::Schema(args) => schema::run(args),
-            Self::Completions(args) => completions::run(args, described()),
+            Self::Completions(args) => help::completions(args, described()),
         }
         .map(|()| ExitCode::SUCCESS)
     }

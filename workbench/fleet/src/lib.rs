@@ -11,30 +11,24 @@
 //! sums by drive, run and class have twice the precision, so that the bytes of the model do not depend on the order of
 //! the rows or on their parts. [`steps`] are the steps, from files to files.
 
-mod beside;
-mod complete;
 mod double;
-mod errors;
-mod fingerprint;
-mod fit;
 mod fold;
 mod group;
 mod names;
 mod part;
 mod plan;
+mod plan_files;
 pub mod steps;
 mod sums;
-mod tails;
+mod training;
 mod writer;
 
-pub use beside::plan_file;
-pub use fingerprint::fingerprint;
-pub use fit::{Choice, Fit, Independent, classes};
 pub use fold::fold;
 pub use group::{Closed, Group, Level};
 pub use names::RESERVED;
 pub use part::{Batch, Part, Wanted};
 pub use plan::{Origin, Plan, VERSION};
+pub use plan_files::plan_file;
 pub use sums::{ClassSums, MOST_FEATURES, PatternSums, Sums};
-pub use tails::{Tails, tails};
+pub use training::{Choice, Fit, Independent, Tails, classes, fingerprint, tails};
 pub use writer::{Row, Writer};

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::literal;
 use super::recipes::{REFERENCE_ORDER, a_only, all_parameters, shaft};
-use crate::signals::motion;
+use crate::campaign::run::motion;
 use model::Error;
 use model::core::Embedded;
 use model::evaluate::{self, Confusion, TraceVerdict};

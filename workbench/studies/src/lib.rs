@@ -13,7 +13,6 @@
 //! | [`ema`] | the actuator, from phase currents and resolver counts to verdicts |
 //! | [`field`] | the effects of the field, one by one and together |
 //! | [`tables`] | the source's tables |
-//! | [`signals`] | the signals of a simulated trace as those of a recorded one |
 //! | [`pages`] | pages of the results |
 
 pub mod by_default;
@@ -24,7 +23,6 @@ pub mod field;
 pub mod literal;
 pub mod pages;
 pub mod recipes;
-pub mod signals;
 pub mod simulation;
 pub mod tables;
 #[cfg(test)]

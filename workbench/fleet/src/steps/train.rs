@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::memory::peak_memory_mb;
-use crate::beside::files;
+use crate::plan_files::files;
 use crate::{Choice, Fit, Independent, Part, Plan, Sums, Tails, Wanted, fingerprint, fold};
 use model::Error;
 use model::outputs::{self, Exports};

@@ -9,7 +9,6 @@
 //! | module | content |
 //! |---|---|
 //! | [`picture`] | the table as a picture |
-//! | [`default`] | what a user gets who names no features |
 //! | [`recipe`] | the configuration: features, false-alarm rate |
 //! | [`rows`] | conditions, defects, and the cells of their traces |
 //! | [`settings`] | draws, and records of each |
@@ -20,7 +19,6 @@
 //! | [`growth`] | size of a growing defect and the time left, beside the truth |
 //! | [`render`] | the table as text, rows and JSON |
 
-pub mod default;
 pub mod delay;
 pub mod growth;
 pub mod limits;
