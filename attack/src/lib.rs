@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! core      model bytes, samples and calls, front end, converter, telemetry, flash, C interface
-//! readers   files of the workbench: tables, labels, TOML, models, sums of a fleet; requests to its pages, its line
+//! readers   files of the workbench: tables, labels, TOML, models; requests to its pages, its line
 //! ```
 //!
 //! Tests replay the kept corpora and some thousand changes of them. `cargo xtask fuzz --minutes 10` attacks with

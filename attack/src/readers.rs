@@ -6,10 +6,9 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-use fleet::Sums;
-use fleet::steps::{SumOptions, features_sum};
+use fleet::Wanted;
 use model::session::{Log, ModelFile, Quiet, Session};
-use model::settings::{DriveFile, Settings};
+use model::settings::DriveFile;
 use model::trace::{Channels, FrontEndFile};
 use traces::given::{Memory, given};
 
@@ -18,7 +17,7 @@ use crate::input::Input;
 use crate::{checksum, served};
 
 /// The doors.
-pub static DOORS: [Door; 14] = [
+pub static DOORS: [Door; 13] = [
     Door::new("text", "tables of text", |bytes| table("t.csv", bytes)),
     Door::new("packed", "tables of text, with gzip or zstd", |bytes| table("t.csv.gz", bytes)),
     Door::new("matlab", "MATLAB 5 to 7.3", |bytes| table("t.mat", bytes)),
@@ -29,7 +28,6 @@ pub static DOORS: [Door; 14] = [
     Door::new("labels", "labels", labels),
     Door::new("settings", "drive.toml and TOML of a front end", settings),
     Door::new("model-file", "a model with its notes", model_file),
-    Door::new("sums", "sums of a fleet", sums),
     Door::new("http", "requests to the pages of view", served::request),
     Door::new("listen", "the line of listen", served::line),
     Door::new("can-log", "logs of a CAN bus", served::can_log),
@@ -89,9 +87,8 @@ fn parquet(bytes: &[u8]) {
     for group in 0..part.row_groups().min(8) {
         let _bounds = part.bounds(group);
     }
-    let out = path.with_extension("sums");
-    let options = SumOptions { parts: vec![path], keep_units: false, out };
-    let _refused = features_sum(&Settings::default(), &options, &Log::new(&Quiet));
+    let wanted = Wanted { features: part.plan.features.clone(), ..Wanted::default() };
+    let _refused = fleet::fold(&[part], &wanted, &|_| ());
     assert!(columns.len() < 1 << 20);
 }
 
@@ -136,27 +133,3 @@ fn model_file(bytes: &[u8]) {
 
 /// A model file of the command line.
 static FILE: &[u8] = include_bytes!("../../examples/support/standard_rig/model.bwm");
-
-/// Sums with a right checksum.
-fn sums(bytes: &[u8]) {
-    const CHECKSUM: crc::Crc<u64> = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
-    let _refused = Sums::from_bytes(bytes);
-    let mut whole = b"bearing-watch sums 2\n".to_vec();
-    whole.extend(CHECKSUM.checksum(bytes).to_le_bytes());
-    whole.extend(bytes);
-    let Ok(sums) = Sums::from_bytes(&whole) else { return };
-    let places: Vec<usize> = (0..sums.features.len()).collect();
-    for name in sums.names() {
-        let Some(own) = sums.of_class(name) else { continue };
-        let _count = own.count();
-        for pattern in own.patterns(&places) {
-            assert!(pattern.excess.len() <= sums.features.len());
-        }
-    }
-    let _units = sums.units();
-    assert!(sums.to_bytes().is_ok());
-    let mut both = sums.clone();
-    if let Ok(merged) = both.merge(sums).and_then(|()| both.finish()) {
-        assert!(merged.to_bytes().is_ok());
-    }
-}

@@ -99,7 +99,7 @@ pub fn request(bytes: &[u8]) {
             [&head, b"\r\n\r\n".as_slice()].concat()
         }
     };
-    let answer = SERVED.with(|folder| workbench::doors::request(folder, &head)).expect("a folder");
+    let answer = SERVED.with(|folder| workbench::untrusted::request(folder, &head)).expect("a folder");
     let Some(answer) = answer else { return };
     let text = String::from_utf8(answer).expect("pages are text");
     assert!(!text.contains(SECRET), "a file from elsewhere");
@@ -130,7 +130,7 @@ fn spelt(words: &[&str], input: &mut Input<'_>) -> Vec<u8> {
 pub fn line(bytes: &[u8]) {
     let line = telemetry::line(&mut Input::new(bytes));
     let traces = folder().join("listen");
-    let done = workbench::doors::line(&traces, &line);
+    let done = workbench::untrusted::line(&traces, &line);
     if let Err(error) = done {
         assert!(!error.to_string().is_empty(), "a message");
     }
@@ -149,7 +149,7 @@ pub fn can_log(bytes: &[u8]) {
         0 => input.bytes(usize::MAX).to_vec(),
         _ => spelt(&LOGGED, &mut input),
     };
-    if let Err(error) = workbench::doors::can_log(&log) {
+    if let Err(error) = workbench::untrusted::can_log(&log) {
         assert!(!error.to_string().is_empty(), "a message");
     }
 }

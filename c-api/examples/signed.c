@@ -16,7 +16,7 @@ extern const uint8_t signed_start[], signed_end[];
 }
 #endif
 
-/* As `bearing-watch keys` prints it. */
+/* As `bearing-watch sign --key FILE` prints it. */
 static const uint8_t key[BW_KEY_SIZE] = {
     0x8a, 0x88, 0xe3, 0xdd, 0x74, 0x09, 0xf1, 0x95,
     0xfd, 0x52, 0xdb, 0x2d, 0x3c, 0xba, 0x5d, 0x72,

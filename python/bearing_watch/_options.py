@@ -117,14 +117,6 @@ class Features(_Recordings, _Choice, total=False):
     plan_traces: int
 
 
-class FeaturesSum(TypedDict, total=False):
-    """Options of :func:`bearing_watch.fleet.features_sum`."""
-
-    features: Union[str, Sequence[str]]
-    train_where: Union[str, Sequence[str]]
-    keep_units: bool
-
-
 class TrainFeatures(_Classifier, total=False):
     """Options of :func:`bearing_watch.fleet.train_features`."""
 

@@ -1,8 +1,8 @@
-//! Training of a fleet: features as parts, their sums, and the model, from files to files.
+//! Training of a fleet: features as parts, and the model, from files to files.
 
 use std::path::PathBuf;
 
-use ::fleet::steps::{features, features_sum, train_features};
+use ::fleet::steps::{features, train_features};
 use model::Error;
 use model::session::{Log, Quiet};
 use model::settings::Use;
@@ -29,7 +29,6 @@ pub(crate) fn fleet(
 ) -> PyResult<(String, Vec<String>)> {
     let step: Step = match step {
         "features" => of_traces,
-        "features-sum" => sums,
         "train-features" => model,
         other => return Err(PyValueError::new_err(format!("no step {other}"))),
     };
@@ -47,13 +46,6 @@ fn of_traces(call: Call, log: &Log<'_>) -> Result<Value, Error> {
     further.end()?;
     let given = given(&settings, call.memory)?;
     Ok(features(&settings, given, &options, log)?.to_json())
-}
-
-fn sums(call: Call, log: &Log<'_>) -> Result<Value, Error> {
-    let (settings, mut further, _) = call.understood(&Use::FEATURES_SUM)?;
-    let options = further.take()?;
-    further.end()?;
-    Ok(features_sum(&settings, &options, log)?.to_json())
 }
 
 fn model(call: Call, log: &Log<'_>) -> Result<Value, Error> {

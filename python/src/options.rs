@@ -109,7 +109,7 @@ fn plain(key: &str, given: &Bound<'_, PyAny>) -> PyResult<Value> {
 /// The settings of a job by options, as text: what `train` and the others understand.
 #[pyfunction]
 pub(crate) fn settings(job: &str, options: &Bound<'_, PyDict>) -> PyResult<String> {
-    let jobs = [Use::TRAIN, Use::EVALUATE, Use::REPLAY, Use::FEATURES, Use::FEATURES_SUM, Use::TRAIN_FEATURES];
+    let jobs = [Use::TRAIN, Use::EVALUATE, Use::REPLAY, Use::FEATURES, Use::TRAIN_FEATURES];
     let unknown = || crate::errors::refused(format!("no job {job}"));
     let job = jobs.iter().find(|own| own.name == job).ok_or_else(unknown)?;
     let call = call(None, options, None, None)?;

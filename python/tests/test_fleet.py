@@ -10,68 +10,82 @@ import bearing_watch as bw
 import pytest
 from bearing_watch import fleet
 
-FEATURES = ["a", "b", "c"]
+from conftest import quietly
+
+OPTIONS = {
+    "y": "current_a",
+    "u1": "velocity_ref_rad_s - velocity_rad_s",
+    "u2": "load_torque_nm",
+    "order": "2,1,2,1,1",
+    "segment": 250,
+    "unit": "drive",
+}
+CLASSIFIER = {"features": ["a", "b"], "unit": "drive"}
 
 
 @pytest.fixture(scope="module")
-def parts(command, tmp_path_factory):
-    """Twelve parts of a simulated fleet of 2400 drives."""
-    folder = tmp_path_factory.mktemp("fleet")
-    command("simulate-features", "--drives", 2400, "--segments", 40, "--parts", 12, "--seed", 3, "--out", folder)
-    return sorted(folder.glob("*.parquet"))
+def labels(folder, tmp_path_factory):
+    """The labels of the bench with four drives, each of which has a recording of each class."""
+    head, *rows = (folder / "labels.csv").read_text().splitlines()
+    file = tmp_path_factory.mktemp("labels") / "labels.csv"
+    file.write_text("\n".join([f"{head},drive", *(f"{row},d{k % 4}" for k, row in enumerate(rows))]))
+    return file
 
 
 @pytest.fixture(scope="module")
-def folded(command, parts, tmp_path_factory):
-    """The report of the command line's fold over all parts."""
-    model = tmp_path_factory.mktemp("folded") / "m.bwm"
-    options = ["--features", ",".join(FEATURES), "--unit", "drive", "--one-pass", "--model", model, "--json"]
-    return json.loads(command("train-features", *parts, *options)), model
+def whole(folder, labels, tmp_path_factory):
+    """The part of all drives, and the report of the training from it."""
+    place = tmp_path_factory.mktemp("whole")
+    quietly(lambda: fleet.features(folder, labels, out=place / "whole.parquet", **OPTIONS))
+    found = fleet.train_features(place / "whole.parquet", model=place / "m.bwm", **CLASSIFIER)
+    return place / "whole.parquet", found
 
 
-def test_sums_of_any_tree_give_the_model_of_the_fold(parts, folded, tmp_path):
-    halves = [parts[:5], parts[5:]]
-    for k, half in enumerate(halves):
-        report = fleet.features_sum(half, out=tmp_path / f"{k}.sums", features=FEATURES)
-        assert report["rows"] == len(half) * 200 * 40
-    found = fleet.train_features([tmp_path / "1.sums", tmp_path / "0.sums"], model=tmp_path / "m.bwm", unit="drive")
-    assert found["fingerprint"] == folded[0]["fingerprint"]
-    assert bw.Model.load(tmp_path / "m.bwm").classes == bw.Model.load(folded[1]).classes
-    with pytest.raises(bw.BearingWatchError, match="share|complete|both"):
-        fleet.train_features([tmp_path / "0.sums", tmp_path / "0.sums"], model=tmp_path / "n.bwm", unit="drive")
-    assert not (tmp_path / "n.bwm").exists()
+def test_features_of_traces_are_those_of_the_command(command, folder, labels, whole, tmp_path):
+    words = [f"--{key}={value}" for key, value in OPTIONS.items()]
+    words += [f"--labels={labels}", f"--out={tmp_path / 'c.parquet'}", "--json"]
+    told = json.loads(command("features", folder, *words))
+    assert whole[1]["rows"] == told["rows"] > 0
+    assert whole[0].read_bytes() == (tmp_path / "c.parquet").read_bytes()
 
 
-def test_features_of_traces_are_those_of_the_command(command, folder, tmp_path):
-    options = {"y": "current_a", "u1": "velocity_ref_rad_s - velocity_rad_s", "u2": "load_torque_nm"}
-    labels = folder / "labels.csv"
-    report = fleet.features(folder, labels, out=tmp_path / "p.parquet", order="2,1,2,1,1", segment=1000, **options)
-    words = [f"--{key}={value}" for key, value in options.items()]
-    words += ["--order=2,1,2,1,1", "--segment=1000", f"--labels={labels}", f"--out={tmp_path / 'c.parquet'}"]
-    told = json.loads(command("features", *words, "--json"))
-    assert report["rows"] == told["rows"] > 0
-    assert (tmp_path / "p.parquet").read_bytes() == (tmp_path / "c.parquet").read_bytes()
-
-
-def test_a_cluster_that_loses_a_worker_gives_the_same_model(parts, folded, tmp_path):
+def test_a_cluster_that_loses_a_worker_gives_the_same_model(folder, labels, whole, tmp_path):
     distributed = pytest.importorskip("distributed")
+    parts = [tmp_path / f"d{k}.parquet" for k in range(4)]
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
     with cluster, distributed.Client(cluster) as client:
         processes = client.run(os.getpid)
         killed = []
 
         def kill_midway():
-            """Kills a worker once some parts are summed and others are not."""
-            while len(list(tmp_path.glob("part*.sums"))) < 3:
+            """Kills a worker once a part is written and others are not."""
+            while not any(part.exists() for part in parts):
                 time.sleep(0.002)
-            killed.append(len(list(tmp_path.glob("part*.sums"))))
+            killed.append(sum(part.exists() for part in parts))
             os.kill(next(iter(processes.values())), signal.SIGKILL)
 
         killer = threading.Thread(target=kill_midway, daemon=True)
         killer.start()
-        sums = fleet.sum_on(client, parts, tmp_path, branch=4, features=FEATURES)
+        tasks = [
+            client.submit(
+                fleet.features,
+                folder,
+                labels,
+                out=part,
+                plan=whole[0],
+                where=f"drive=d{k}",
+                **OPTIONS,
+                pure=False,
+                retries=2,
+            )
+            for k, part in enumerate(parts)
+        ]
+        assert sum(report["rows"] for report in client.gather(tasks)) == whole[1]["rows"]
         killer.join(timeout=60)
     assert killed and killed[0] < len(parts), killed
-    found = fleet.train_features(sums, model=tmp_path / "m.bwm", unit="drive")
-    assert found["fingerprint"] == folded[0]["fingerprint"]
-    assert found["rows"] == folded[0]["rows"] == 2400 * 40
+    found = fleet.train_features(parts, model=tmp_path / "m.bwm", **CLASSIFIER)
+    assert found["fingerprint"] == whole[1]["fingerprint"]
+    assert (tmp_path / "m.bwm").read_bytes() == (whole[0].parent / "m.bwm").read_bytes()
+    with pytest.raises(bw.BearingWatchError, match="no part in this folder"):
+        (tmp_path / "empty").mkdir()
+        fleet.train_features(tmp_path / "empty", model=tmp_path / "n.bwm", **CLASSIFIER)

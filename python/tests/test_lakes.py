@@ -253,8 +253,6 @@ def test_a_folder_of_parts_has_the_keys_of_its_names(part, command, tmp_path):
     assert trained(lake, tmp_path, train_where=["year=2026"])[1] == expected[1] // 2
     words = ["--features=a,b", "--unit=drive", f"--model={tmp_path / 'n.bwm'}", "--json"]
     assert json.loads(command("train-features", lake, *words))["fingerprint"] == expected[0]
-    command("features-sum", lake, "--features=a,b", f"--out={tmp_path / 'all.sums'}")
-    assert trained(tmp_path / "all.sums", tmp_path)[1] == expected[1]
     with pytest.raises(bw.BearingWatchError, match="no part in this folder"):
         (tmp_path / "empty").mkdir()
         trained(tmp_path / "empty", tmp_path)

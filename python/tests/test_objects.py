@@ -185,13 +185,9 @@ def functions(tmp_path_factory):
         "fleet.features": lambda r: fleet.features(
             some(r, file), some(r, None), out=some(r, "p.parquet"), **channels(r)
         ),
-        "fleet.features_sum": lambda r: fleet.features_sum(
-            objects.anything(r), out=some(r, "p.sums"), **options(r, ["features", "train_where", "keep_units"])
-        ),
         "fleet.train_features": lambda r: fleet.train_features(
             objects.anything(r), model=some(r, "m.bwm"), **options(r)
         ),
-        "fleet.sum_on": lambda r: fleet.sum_on(None, some(r, []), some(r, "sums"), branch=objects.anything(r)),
         "GaussianClassifier": lambda r: (
             sklearn.GaussianClassifier(
                 priors=some(r, None), cost=some(r, None), discriminant=some(r, "linear"), shrinkage=some(r, None)

@@ -17,18 +17,14 @@ bw.evaluate(model, "drive.toml", per_segment=True, by=["load_kgf"])
 bw.audit("runs", current="iq_A")
 bw.simulate("spall", count=2, rig="dc")
 fleet.features("drive.toml", out="p.parquet", order=(2, 1, 2, 1, 1), plan="a.parquet")
-fleet.features_sum("p.parquet", out="p.sums", features=["a", "b"], keep_units=True)
-fleet.train_features(["p.sums"], model="m.bwm", unit="drive", false_alarm=0.01, one_pass=True, rust="m.rs")
-fleet.sum_on(object(), ["p.parquet"], "sums", train_where="run<=4")
+fleet.train_features(["p.parquet"], model="m.bwm", unit="drive", false_alarm=0.01, one_pass=True, rust="m.rs")
 bw.train("drive.toml", ordr=3)  # Unexpected keyword argument "ordr"
 bw.train("drive.toml", segment="long")  # Argument "segment"
 bw.train("drive.toml", method="lsq")  # Argument "method"
 bw.evaluate(model, "drive.toml", per_segmnt=True)  # Unexpected keyword argument "per_segmnt"
 bw.simulate("spall", sevrity=2.0)  # Unexpected keyword argument "sevrity"
 fleet.features("drive.toml", out="p.parquet", plan_trace=3)  # Unexpected keyword argument "plan_trace"
-fleet.features_sum("p.parquet", out="p.sums", keep_units="yes")  # Argument "keep_units"
-fleet.train_features("p.sums", model="m.bwm", units="drive")  # Unexpected keyword argument "units"
-fleet.sum_on(object(), ["p.parquet"], "sums", keep=True)  # Unexpected keyword argument "keep"
+fleet.train_features("p.parquet", model="m.bwm", units="drive")  # Unexpected keyword argument "units"
 """
 
 
@@ -56,7 +52,6 @@ OPTIONS = {
     "train": (_options.Train, set()),
     "evaluate": (_options.Evaluate, {"per_segment"}),
     "features": (_options.Features, {"plan", "plan_traces"}),
-    "features-sum": (_options.FeaturesSum, {"keep_units"}),
     "train-features": (_options.TrainFeatures, {"one_pass", "rust", "c"}),
 }
 

@@ -10,7 +10,7 @@
 //! use bearing_watch::{Evidence, Model};
 //! use bearing_watch::signature::{SignatureError, StateKey, Trust};
 //!
-//! // `bearing-watch keys vendor.key --new` prints the public key. Keep the counter in memory that cannot be rewritten.
+//! // `bearing-watch sign --key vendor.key --new` prints the public key. Keep the counter in memory that cannot be rewritten.
 //! # let key = [7; 32];
 //! # let file = [0; 8];
 //! let trust = Trust { keys: &[key], least_counter: 3 };

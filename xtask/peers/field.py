@@ -1,8 +1,8 @@
-"""The table of the field by a plain program in numpy, beside that of `bearing-watch campaign --field`.
+"""The table of the field by a plain program in numpy, beside that of `bearing-watch-studies campaign --field`.
 
     python field.py RECORDS OURS_JSON     table on standard output; exit code 3 if ours is behind in a cell
 
-RECORDS is the program `workbench/cli/examples/field_records.rs`, which writes the records of a row: both sides have the
+RECORDS is the program `workbench/studies/examples/field_records.rs`, which writes the records of a row: both sides have the
 same seeds. OURS_JSON is the output of `campaign --field --json`; its rows and draws are repeated here.
 
 The method is what an engineer writes by hand. Missing samples are interpolated. Filters of second order give current,

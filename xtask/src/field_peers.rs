@@ -14,7 +14,7 @@ const DRAWS: &str = "1";
 const BEHIND: i32 = 3;
 /// Rows of the document, one for each way in which the field is hard.
 pub const SHORT: &str = "mix,temperature,no-load-sensor,slip,duty-one-way,field-any";
-const PACKAGE: [&str; 2] = ["--package", "bearing-watch-workbench"];
+const PACKAGE: [&str; 2] = ["--package", "bearing-watch-studies"];
 
 /// Measures both on these rows, or on all. Returns the text to print, and whether the detector is nowhere behind.
 pub fn measure(only: Option<&str>) -> Result<(String, bool)> {
@@ -23,7 +23,7 @@ pub fn measure(only: Option<&str>) -> Result<(String, bool)> {
     let python = peers::python_with_packages()?;
     let ours = folder.join("field.json");
     let mut cargo = workspace::cargo(&["run", "--release", "--quiet"]);
-    cargo.args(PACKAGE).args(["--bin", "bearing-watch", "--", "campaign", "--field", "--json", "--draws", DRAWS]);
+    cargo.args(PACKAGE).args(["--", "campaign", "--field", "--json", "--draws", DRAWS]);
     cargo.args(only.map_or_else(Vec::new, |rows| vec!["--only", rows]));
     peers::keep(&mut cargo, &ours)?;
     let mut cargo = workspace::cargo(&["build", "--release", "--quiet"]);

@@ -10,6 +10,7 @@ mod embedded_estimates;
 mod estimators;
 mod field_table;
 mod formats;
+mod healthy_sets;
 mod identification;
 mod implausible_signals;
 mod instruments_model;

@@ -5,49 +5,41 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use super::options::{Job, Taken};
-use super::{
-    audit, campaign, cogging, confirm, convert, dbc, demo, evaluate, features, features_sum, grey_box, identify, init,
-    listen, pages_of_help, piecewise, replay, schema, signing, simulate, simulate_features, structure, tables, train,
-    train_features, validate, view,
+use crate::drive::{dbc, listen, replay, signing};
+use crate::identification::{grey_box, identify, structure, validate};
+use crate::recordings::{audit, convert, init, simulate};
+use crate::training::{confirm, evaluate, fleet, train};
+use crate::{schema, view};
+
+use crate::command_line::{
+    help,
+    options::{Job, Taken},
 };
 use model::Error;
 use model::settings::DriveFile;
 
 #[derive(Debug, Subcommand)]
-pub(super) enum Command {
-    Demo(demo::Args),
+pub(crate) enum Command {
     Init(Box<init::Args>),
     Audit(Box<audit::Args>),
     Simulate(simulate::Args),
     Identify(Box<identify::Args>),
     Structure(Box<structure::Args>),
     GreyBox(Box<grey_box::Args>),
-    Cogging(Box<cogging::Args>),
     Validate(Box<validate::Args>),
-    Piecewise(Box<piecewise::Args>),
     Train(Box<train::Args>),
-    Features(Box<features::Args>),
-    FeaturesSum(Box<features_sum::Args>),
-    TrainFeatures(Box<train_features::Args>),
-    #[command(hide = true)]
-    SimulateFeatures(simulate_features::Args),
+    Features(Box<fleet::FeaturesArgs>),
+    TrainFeatures(Box<fleet::TrainArgs>),
     Evaluate(Box<evaluate::Args>),
     Replay(Box<replay::Args>),
     Confirm(confirm::Args),
     View(view::Args),
     Listen(listen::Args),
     Dbc(dbc::Args),
-    Convert(Box<convert::ConvertArgs>),
-    Resample(Box<convert::ResampleArgs>),
-    Keys(signing::KeysArgs),
-    Sign(signing::SignArgs),
-    Verify(signing::VerifyArgs),
-    Campaign(campaign::Args),
-    Tables(tables::Args),
+    Convert(Box<convert::Args>),
+    Sign(signing::Args),
     Schema(schema::Args),
-    Completions(pages_of_help::CompletionsArgs),
-    Man(pages_of_help::ManArgs),
+    Completions(help::CompletionsArgs),
 }
 
 /// The settings that a command takes.
@@ -81,12 +73,12 @@ impl Settled for grey_box::Args {
 
 impl Command {
     /// Puts its settings over those of a drive file, and returns an error if one is missing.
-    pub(super) fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
+    pub(crate) fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
         self.settled().map_or(Ok(()), |own| own.join(drive))
     }
 
     /// The text of a drive file at this path with its settings.
-    pub(super) fn text(&mut self, path: &Path) -> Result<String, Error> {
+    pub(crate) fn text(&mut self, path: &Path) -> Result<String, Error> {
         self.settled().map_or(Ok(String::new()), |own| own.text(path))
     }
 
@@ -98,39 +90,27 @@ impl Command {
             Self::Identify(args) => &mut args.fit.taken,
             Self::Structure(args) => &mut args.taken,
             Self::GreyBox(args) => &mut **args,
-            Self::Cogging(args) => &mut args.taken,
             Self::Validate(args) => &mut args.fit.taken,
-            Self::Piecewise(args) => &mut args.taken,
             Self::Train(args) => &mut args.taken,
             Self::Features(args) => &mut args.taken,
-            Self::FeaturesSum(args) => &mut args.taken,
             Self::TrainFeatures(args) => &mut args.taken,
             Self::Evaluate(args) => &mut args.taken,
             Self::Replay(args) => &mut args.taken,
-            Self::Convert(args) => args.taken(),
-            Self::Resample(args) => args.taken(),
-            Self::Demo(_)
-            | Self::Simulate(_)
-            | Self::SimulateFeatures(_)
+            Self::Convert(args) => &mut args.taken,
+            Self::Simulate(_)
             | Self::Confirm(_)
             | Self::View(_)
             | Self::Listen(_)
             | Self::Dbc(_)
-            | Self::Keys(_)
             | Self::Sign(_)
-            | Self::Verify(_)
-            | Self::Campaign(_)
-            | Self::Tables(_)
             | Self::Schema(_)
-            | Self::Completions(_)
-            | Self::Man(_) => return None,
+            | Self::Completions(_) => return None,
         })
     }
 
     /// Runs it; an audit that finds something is a failure. `described` makes the description of all commands.
-    pub(super) fn run(&self, described: fn() -> clap::Command) -> Result<ExitCode, Error> {
+    pub(crate) fn run(&self, described: fn() -> clap::Command) -> Result<ExitCode, Error> {
         match self {
-            Self::Demo(args) => demo::run(args),
             Self::Init(args) => init::run(args),
             Self::Audit(args) => {
                 let found = audit::run(args)?;
@@ -140,30 +120,20 @@ impl Command {
             Self::Identify(args) => identify::run(args),
             Self::Structure(args) => structure::run(args),
             Self::GreyBox(args) => grey_box::run(args),
-            Self::Cogging(args) => cogging::run(args),
             Self::Validate(args) => validate::run(args),
-            Self::Piecewise(args) => piecewise::run(args),
             Self::Train(args) => train::run(args),
-            Self::Features(args) => features::run(args),
-            Self::FeaturesSum(args) => features_sum::run(args),
-            Self::TrainFeatures(args) => train_features::run(args),
-            Self::SimulateFeatures(args) => simulate_features::run(args),
+            Self::Features(args) => fleet::compute(args),
+            Self::TrainFeatures(args) => fleet::train(args),
             Self::Evaluate(args) => evaluate::run(args),
             Self::Replay(args) => replay::run(args),
             Self::Confirm(args) => confirm::run(args),
             Self::View(args) => view::run(args),
             Self::Listen(args) => listen::run(args),
             Self::Dbc(args) => dbc::run(args),
-            Self::Convert(args) => convert::convert(args),
-            Self::Resample(args) => convert::resample(args),
-            Self::Keys(args) => signing::keys(args),
-            Self::Sign(args) => signing::sign(args),
-            Self::Verify(args) => signing::verify(args),
-            Self::Campaign(args) => campaign::run(args),
-            Self::Tables(args) => tables::run(args),
+            Self::Convert(args) => convert::run(args),
+            Self::Sign(args) => signing::run(args),
             Self::Schema(args) => schema::run(args),
-            Self::Completions(args) => pages_of_help::completions(args, described()),
-            Self::Man(args) => pages_of_help::man(args, described()),
+            Self::Completions(args) => help::completions(args, described()),
         }
         .map(|()| ExitCode::SUCCESS)
     }

@@ -5,70 +5,34 @@
 //!
 //! | crate | commands |
 //! |---|---|
-//! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box`, `cogging` |
+//! | `bearing-watch-model` | `identify`, `structure`, `validate`, `grey-box` |
 //! | `bearing-watch-model` | `train`, `evaluate` |
-//! | `bearing-watch-traces` | `init`, `audit`, `convert`, `resample`, and the files that the others read |
-//! | `bearing-watch-fleet` | `features`, `features-sum`, `train-features` |
+//! | `bearing-watch-traces` | `init`, `audit`, `convert`, and the files that the others read |
+//! | `bearing-watch-fleet` | `features`, `train-features` |
 //! | `bearing-watch-pages` | `view`, `replay`, `listen`, and the pages that the others write |
-//! | `bearing-watch-studies` | `demo`, `simulate`, `simulate-features`, `campaign`, `tables` |
+//! | `bearing-watch-studies` | `simulate`; its own program has the studies |
 
-mod arguments;
-mod audit;
-mod campaign;
-mod can_id;
-mod cogging;
+mod command_line;
 mod commands;
-mod common;
-mod confirm;
-mod convert;
-mod dbc;
-mod demo;
-#[doc(hidden)]
-pub mod doors;
-mod evaluate;
-mod failure;
-mod features;
-mod features_sum;
-mod fit;
-mod forms;
-mod further_forms;
-mod grey_box;
-mod help;
-mod identify;
-mod init;
-mod jobs;
-mod life;
-mod listen;
-mod options;
-mod output;
-mod pages_of_help;
-mod piecewise;
+mod drive;
+mod identification;
 mod recordings;
-mod replay;
 mod schema;
-mod serve;
-mod signing;
-mod simulate;
-mod simulate_features;
-mod simulated_fleet;
-mod structure;
-mod study_forms;
-mod tables;
-mod train;
-mod train_features;
-mod validate;
-mod verbosity;
+mod server;
+mod training;
+#[doc(hidden)]
+pub mod untrusted;
 mod view;
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{CommandFactory as _, FromArgMatches as _, Parser};
+use clap::{ArgAction, CommandFactory as _, FromArgMatches as _, Parser};
 
+use command_line::failure::{self, Failure};
+use command_line::{arguments, help, output};
 use commands::Command;
-use common::Common;
-use failure::Failure;
 use model::Error;
 
 /// Bearing-fault detection for motor drives: simulate, identify, train, evaluate, export to firmware
@@ -79,6 +43,27 @@ struct Cli {
     command: Command,
     #[command(flatten)]
     common: Common,
+}
+
+/// The options of every command.
+#[derive(Debug, clap::Args)]
+struct Common {
+    /// Also write the settings of this command as a drive file, which takes their place next time; of train, with
+    /// what it has chosen
+    #[arg(long, global = true, value_name = "DRIVE_TOML")]
+    save: Option<PathBuf>,
+    /// Leave out the drive.toml of the current folder, which is taken if no drive file is given
+    #[arg(long, global = true)]
+    no_drive: bool,
+    /// Print no progress, notes and warnings
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Also print the files that are read, and choices with reasons
+    #[arg(short, long, global = true)]
+    verbose: bool,
+    /// Print this help; --help prints all options
+    #[arg(short, long, global = true, action = ArgAction::Help)]
+    help: Option<bool>,
 }
 
 /// Runs the command line of this process. Returns 0 on success; on bad input it prints one line with the problem and
@@ -101,7 +86,7 @@ fn execute(words: Vec<OsString>) -> Result<ExitCode, Failure> {
     let commands = if given.drive.is_some() { arguments::relaxed(commands, &given.words) } else { commands };
     let matches = commands.try_get_matches_from(given.words)?;
     let Cli { mut command, common } = Cli::from_arg_matches(&matches)?;
-    verbosity::set(common.quiet, common.verbose);
+    output::set_verbosity(common.quiet, common.verbose);
     if given.found {
         output::note("drive file: drive.toml of this folder; --no-drive leaves it out");
     }

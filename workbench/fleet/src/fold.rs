@@ -121,10 +121,8 @@ fn scan<V: Visitor>(
             }
             told(taken);
             if visitor.open() > MOST_OPEN && !sorted {
-                let problem = format!(
-                    "more than {MOST_OPEN} units, and they do not ascend: sort the rows by the column unit, or give \
-                     parts of fewer units and sum each by `bearing-watch features-sum`"
-                );
+                let problem =
+                    format!("more than {MOST_OPEN} units, and they do not ascend: sort the rows by the column unit");
                 return Err(Error::content(&part.path, "column unit", problem));
             }
         }
@@ -149,21 +147,9 @@ pub(super) fn each_slice<V: Visitor>(
     slices.par_iter().map(one).try_reduce_with(join).unwrap_or_else(new)
 }
 
-/// What becomes of units at the end of a slice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Units {
-    /// They are complete: no other rows of them are in any sums.
-    Closed,
-    /// The same, and the sums remember them.
-    Remembered,
-    /// They stay open for rows in other parts.
-    Open,
-}
-
 /// Sums of a slice.
 struct Summing {
     sums: Sums,
-    units: Units,
     /// What errors usually are, of each feature.
     usual: Vec<f64>,
     /// The unit of the last rows, with its runs.
@@ -183,9 +169,9 @@ impl Summing {
         }
     }
 
-    fn close(&mut self, name: &str, unit: &mut Unit) -> Result<(), Error> {
+    fn close(&mut self, unit: &mut Unit) -> Result<(), Error> {
         unit.sort_by(|(one, _), (two, _)| one.cmp(two));
-        self.sums.close(name, unit, self.units == Units::Remembered)?;
+        self.sums.close(unit)?;
         self.spare.extend(unit.drain(..).map(|(_, mut group)| {
             group.reset();
             group
@@ -229,25 +215,17 @@ impl Visitor for Summing {
     }
 
     fn complete(&mut self) -> Result<(), Error> {
-        if self.units == Units::Open {
-            self.park();
-            return Ok(());
-        }
-        let (name, mut unit) = (std::mem::take(&mut self.name), std::mem::take(&mut self.unit));
         if self.parked.is_empty() {
-            // The first unit of a slice has none before it.
-            if !unit.is_empty() {
-                self.close(&name, &mut unit)?;
-            }
+            let mut unit = std::mem::take(&mut self.unit);
+            self.close(&mut unit)?;
             self.unit = unit;
-            return Ok(());
+        } else {
+            self.park();
+            while let Some((_, mut unit)) = self.parked.pop_first() {
+                self.close(&mut unit)?;
+            }
         }
-        (self.name, self.unit) = (name, unit);
-        self.park();
         self.name.clear();
-        while let Some((name, mut unit)) = self.parked.pop_first() {
-            self.close(&name, &mut unit)?;
-        }
         Ok(())
     }
 
@@ -260,7 +238,7 @@ impl Visitor for Summing {
 ///
 /// # Errors
 /// Parts of several plans, without the features, or damaged; too many units that do not ascend.
-pub fn fold(parts: &[Part], wanted: &Wanted, units: Units, told: &(dyn Fn(u64) + Sync)) -> Result<Sums, Error> {
+pub fn fold(parts: &[Part], wanted: &Wanted, told: &(dyn Fn(u64) + Sync)) -> Result<Sums, Error> {
     let first = parts.first().ok_or_else(|| Error::Usage("no part is given".into()))?;
     for part in &parts[1..] {
         if let Some(difference) = first.plan.difference(&part.plan) {
@@ -271,11 +249,9 @@ pub fn fold(parts: &[Part], wanted: &Wanted, units: Units, told: &(dyn Fn(u64) +
     }
     let place = |name: &String| first.plan.features.iter().position(|own| own == name);
     let usual = wanted.features.iter().map(|name| place(name).map_or(0.0, |k| first.plan.usual[k])).collect::<Vec<_>>();
-    let conditions: Vec<String> = wanted.conditions.iter().map(ToString::to_string).collect();
     let new = || {
         Ok(Summing {
-            sums: Sums::new(&first.plan, [&wanted.features, &wanted.chosen], &conditions)?,
-            units,
+            sums: Sums::new(&first.plan, &wanted.features)?,
             usual: usual.clone(),
             name: String::new(),
             unit: vec![],
@@ -284,13 +260,8 @@ pub fn fold(parts: &[Part], wanted: &Wanted, units: Units, told: &(dyn Fn(u64) +
         })
     };
     let join = |mut one: Summing, two: Summing| {
-        one.sums.merge(two.sums)?;
-        for (name, unit) in two.parked {
-            merge_unit(one.parked.entry(name).or_default(), unit);
-        }
+        one.sums.merge(&two.sums)?;
         Ok(one)
     };
-    let Summing { mut sums, parked, .. } = each_slice(parts, wanted, told, &new, &join)?;
-    parked.into_iter().for_each(|(name, unit)| sums.keep(name, unit));
-    Ok(sums)
+    each_slice(parts, wanted, told, &new, &join).map(|slices| slices.sums)
 }

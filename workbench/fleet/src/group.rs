@@ -1,31 +1,27 @@
 //! Sums of a group of rows (segments of one run, drive or class), and of many closed groups.
 //!
 //! ```text
-//! group    n,  S = Σ x,  Q = Σ x xᵀ                                       exact ([`super::exact`])
+//! group    n,  S = Σ x,  Q = Σ x xᵀ                                       in twice the precision ([`Double`])
 //! closed   ȳ = S/n,   C = Q − S Sᵀ/n                                      rounded once                    (1)
-//! level    k,  N = Σ n,  Σ 1/n,  Σ ȳ,  Σ ȳ ȳᵀ,  Σ C  over its groups       exact                           (2)
+//! level    k,  N = Σ n,  Σ 1/n,  Σ ȳ,  Σ ȳ ȳᵀ,  Σ C  over its groups       in twice the precision          (2)
 //! ```
 //!
-//! Sums of groups merge without rounding, and (1) is taken only of complete groups: (2) does not depend on the order or
-//! the tree of the merges. From (2) follow the scatter of the groups' means and that within groups.
+//! (1) is taken only of complete groups, so that (2) does not depend on the order of the rows or on the tree of the
+//! merges, but for bits that no constant of a model has. From (2) follow the scatter of the groups' means and that within groups.
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
 
-use super::exact::{Double, Exact};
-
-/// Most rows of sums that are read: more than all drives have, and few enough that merges stay in range.
-pub(super) const MOST_ROWS: u64 = 1 << 48;
+use super::double::Double;
 
 /// Sums of one group.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
     /// Number of rows.
     pub count: u64,
     /// S.
-    first: Vec<Exact>,
+    first: Vec<Double>,
     /// Q, its upper triangle by rows.
-    second: Vec<Exact>,
+    second: Vec<Double>,
 }
 
 /// Mean and scatter (1) of a complete group.
@@ -48,7 +44,7 @@ impl Group {
     /// An empty group of so many features.
     #[must_use]
     pub fn new(features: usize) -> Self {
-        let zeros = |count: usize| vec![Exact::default(); count];
+        let zeros = |count: usize| vec![Double::default(); count];
         Self { count: 0, first: zeros(features), second: zeros(features * (features + 1) / 2) }
     }
 
@@ -65,21 +61,14 @@ impl Group {
     /// Adds the rows of another group with the same features.
     pub fn merge(&mut self, other: &Self) {
         self.count += other.count;
-        self.first.iter_mut().zip(&other.first).for_each(|(sum, more)| sum.merge(more));
-        self.second.iter_mut().zip(&other.second).for_each(|(sum, more)| sum.merge(more));
-    }
-
-    /// Whether lengths and count are those of sums of so many features, as of sums that were read.
-    #[must_use]
-    pub fn fits(&self, features: usize) -> bool {
-        let is_triangle = self.second.len() == features * (features + 1) / 2;
-        self.first.len() == features && is_triangle && self.count <= MOST_ROWS
+        self.first.iter_mut().zip(&other.first).for_each(|(sum, more)| sum.merge(*more));
+        self.second.iter_mut().zip(&other.second).for_each(|(sum, more)| sum.merge(*more));
     }
 
     /// Removes all rows.
     pub fn reset(&mut self) {
         self.count = 0;
-        self.first.iter_mut().chain(&mut self.second).for_each(Exact::reset);
+        self.first.iter_mut().chain(&mut self.second).for_each(|sum| *sum = Double::default());
     }
 
     /// Number of features.
@@ -92,10 +81,10 @@ impl Group {
     #[must_use]
     pub fn close(&self) -> Closed {
         let n = self.count.max(1) as f64;
-        let first: Vec<Double> = self.first.iter().map(Exact::pair).collect();
+        let first = &self.first;
         let mut scatter = DMatrix::zeros(first.len(), first.len());
         for ((i, j), sum) in triangle(first.len()).zip(&self.second) {
-            let own = sum.pair().centred(first[i], first[j], n);
+            let own = sum.centred(first[i], first[j], n);
             (scatter[(i, j)], scatter[(j, i)]) = (own, own);
         }
         let mean = DVector::from_iterator(first.len(), first.iter().map(|sum| sum.mean(n)));
@@ -109,18 +98,18 @@ impl Group {
         // Places before row i of the triangle: i (2 size − i + 1)/2.
         let of = |i: usize, j: usize| {
             let (i, j) = (i.min(j), i.max(j));
-            self.second[i * (2 * size - i + 1) / 2 + j - i].clone()
+            self.second[i * (2 * size - i + 1) / 2 + j - i]
         };
         Self {
             count: self.count,
-            first: places.iter().map(|&k| self.first[k].clone()).collect(),
+            first: places.iter().map(|&k| self.first[k]).collect(),
             second: triangle(places.len()).map(|(i, j)| of(places[i], places[j])).collect(),
         }
     }
 }
 
 /// Sums (2) over closed groups: runs, or drives.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// k.
     pub count: u64,
@@ -131,36 +120,27 @@ pub struct Level {
     /// N.
     pub rows: u64,
     /// Σ 1/n.
-    inverse: Exact,
+    inverse: Double,
     /// The means as a group of k rows.
     means: Group,
     /// Σ C, its upper triangle by rows.
-    within: Vec<Exact>,
+    within: Vec<Double>,
 }
 
 impl Level {
     /// No group of so many features yet.
     #[must_use]
     pub fn new(features: usize) -> Self {
-        let within = vec![Exact::default(); features * (features + 1) / 2];
+        let within = vec![Double::default(); features * (features + 1) / 2];
         Self {
             count: 0,
             longest: 0,
             single: 0,
             rows: 0,
-            inverse: Exact::default(),
+            inverse: Double::default(),
             means: Group::new(features),
             within,
         }
-    }
-
-    /// Whether lengths and counts are those of groups of so many features, as of sums that were read.
-    #[must_use]
-    pub fn fits(&self, features: usize) -> bool {
-        let counts = [self.count, self.longest, self.single, self.rows];
-        self.means.fits(features)
-            && self.within.len() == features * (features + 1) / 2
-            && counts.iter().all(|count| *count <= MOST_ROWS)
     }
 
     /// Adds a complete group.
@@ -181,9 +161,9 @@ impl Level {
         self.longest = self.longest.max(other.longest);
         self.single += other.single;
         self.rows += other.rows;
-        self.inverse.merge(&other.inverse);
+        self.inverse.merge(other.inverse);
         self.means.merge(&other.means);
-        self.within.iter_mut().zip(&other.within).for_each(|(sum, more)| sum.merge(more));
+        self.within.iter_mut().zip(&other.within).for_each(|(sum, more)| sum.merge(*more));
     }
 
     /// Returns the mean of 1/n over the groups.
@@ -214,13 +194,8 @@ impl Level {
     #[must_use]
     pub fn select(&self, places: &[usize]) -> Self {
         let full =
-            Group { count: 0, first: vec![Exact::default(); self.means.features()], second: self.within.clone() };
-        Self {
-            inverse: self.inverse.clone(),
-            means: self.means.select(places),
-            within: full.select(places).second,
-            ..*self
-        }
+            Group { count: 0, first: vec![Double::default(); self.means.features()], second: self.within.clone() };
+        Self { means: self.means.select(places), within: full.select(places).second, ..*self }
     }
 }
 
@@ -298,12 +273,5 @@ mod tests {
         let mut merged = level(&[1, 4]);
         merged.merge(&level(&[7, 1, 1]));
         assert_eq!((merged.count, merged.longest, merged.single, merged.rows), (5, 7, 3, 14));
-        assert!(merged.fits(1) && !merged.fits(2));
-    }
-
-    #[test]
-    fn more_rows_than_can_be_are_no_sums() {
-        let group = |count: u64| Group { count, ..Group::new(2) };
-        assert!(group(MOST_ROWS).fits(2) && !group(MOST_ROWS + 1).fits(2) && !group(1).fits(1));
     }
 }

@@ -1,46 +1,34 @@
 //! Training from tables of features, of any number of drives, in constant memory.
 //!
 //! ```text
-//! traces ─► core ─► part (rows: segments) ─► sums ─┬─► merge, in any tree ─► model
-//!                   part ──────────────────► sums ─┘
+//! traces ─► core ─► part (rows: segments) ─┬─► sums ─► model
+//!                   part ──────────────────┘
 //! ```
 //!
-//! Traces, or tables of their features, enter; a model of many drives leaves, and the sums of which it is made, so that
-//! further drives can be added.
+//! Traces, or tables of their features, enter; a model of many drives leaves.
 //!
 //! A [`Part`] is a Parquet file with the features of segments and the [`Plan`] of the detector that computed them. Its
-//! sums by drive, run and class are exact ([`exact`]), so that the model does not depend on the order of the rows or on
-//! the tree of the merges.
-//!
-//! | module | content |
-//! |---|---|
-//! | [`steps`] | the steps, from files to files |
-//! | [`exact`] | sums without rounding |
+//! sums by drive, run and class have twice the precision, so that the bytes of the model do not depend on the order of
+//! the rows or on their parts. [`steps`] are the steps, from files to files.
 
-mod beside;
-mod complete;
-mod errors;
-pub mod exact;
-mod fingerprint;
-mod fit;
+mod double;
 mod fold;
 mod group;
 mod names;
 mod part;
 mod plan;
+mod plan_files;
 pub mod steps;
 mod sums;
-mod tails;
+mod training;
 mod writer;
 
-pub use beside::plan_file;
-pub use fingerprint::fingerprint;
-pub use fit::{Choice, Fit, Independent, classes};
-pub use fold::{Units, fold};
+pub use fold::fold;
 pub use group::{Closed, Group, Level};
 pub use names::RESERVED;
 pub use part::{Batch, Part, Wanted};
 pub use plan::{Origin, Plan, VERSION};
+pub use plan_files::plan_file;
 pub use sums::{ClassSums, MOST_FEATURES, PatternSums, Sums};
-pub use tails::{Tails, tails};
+pub use training::{Choice, Fit, Independent, Tails, classes, fingerprint, tails};
 pub use writer::{Row, Writer};

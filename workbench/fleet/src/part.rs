@@ -10,7 +10,7 @@
 //! The metadata has the plan ([`Plan`], key `bearing_watch_plan`), and `bearing_watch_sorted = unit` if the units
 //! ascend. Row groups are written as they fill. Of a part that another program has written again, without metadata,
 //! the plan is in a file beside it, and the order of the units is looked at. A column may also be a key in the names of
-//! the folders (`beside`).
+//! the folders (`plan_files`).
 
 use std::fs::File;
 use std::ops::Range;
@@ -26,9 +26,9 @@ use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, Parq
 use parquet::file::statistics::Statistics;
 
 use super::Plan;
-use super::beside::{keys, plan_beside};
-use super::exact::LARGEST;
+use super::double::LARGEST;
 use super::names::{PLAN, SORTED, TEXTS, variance_of};
+use super::plan_files::{keys, plan_beside};
 use model::Error;
 use model::near::among;
 use model::trace::Condition;
@@ -61,8 +61,6 @@ pub struct Part {
 pub struct Wanted {
     /// Names of the features.
     pub features: Vec<String>,
-    /// The choice that needs them, as it was given.
-    pub chosen: Vec<String>,
     /// Conditions on columns of text.
     pub conditions: Vec<Condition>,
 }

@@ -1,34 +1,22 @@
-//! Sums of parts by drive, run and class, which merge without rounding in any order.
+//! Sums of parts by drive, run and class, which merge in any order.
 //!
-//! ```text
-//! drive complete:   its runs and itself are closed into the levels of their class, then forgotten
-//! drive open:       sums of each of its runs, as long as further rows may come
-//! ```
-//!
-//! A drive is closed where it is known to be complete, so that memory does not grow with the rows. The sums remember 64
-//! bits of each closed drive, and refuse to merge with others that have the drive too. Rows that lack a feature count
-//! for their class by the pattern of what they have, and not for the spread of drives and runs.
+//! A drive is closed where it is known to be complete: its runs and itself go into the levels of their class and are
+//! forgotten, so that memory does not grow with the rows. Rows that lack a feature count for their class by the pattern
+//! of what they have, and not for the spread of drives and runs.
 
 use std::collections::BTreeMap;
 
-use crc::{CRC_64_XZ, Crc};
-use serde::{Deserialize, Serialize};
-
-use super::exact::Exact;
-use super::group::MOST_ROWS;
+use super::double::Double;
 use super::{Closed, Group, Level, Plan};
 use model::Error;
 
-/// First bytes of a file of sums; the digit is the version of the format.
-const MAGIC: &[u8] = b"bearing-watch sums 2\n";
 /// Most patterns of missing features in a class.
 const PATTERNS: usize = 256;
 /// Most features: bits of a pattern.
 pub const MOST_FEATURES: usize = 64;
-const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
 /// Rows of one class.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ClassSums {
     /// Rows by the features that they have, a bit mask, of closed drives.
     patterns: BTreeMap<u64, Pattern>,
@@ -41,11 +29,11 @@ pub struct ClassSums {
 }
 
 /// Rows that have the same features.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 struct Pattern {
     rows: Group,
     /// Sums of what the variances of errors exceed the usual ones.
-    excess: Vec<Exact>,
+    excess: Vec<Double>,
 }
 
 /// Sums of a pattern: the mask, the rows, and the mean excess of the variances of their errors.
@@ -59,57 +47,31 @@ pub struct PatternSums {
     pub excess: Vec<f64>,
 }
 
-/// Sums of an open drive, by class and run, of rows with all features. In the order of class and run if they are
-/// closed.
+/// Sums of a drive, by class and run, of rows with all features. In the order of class and run if they are closed.
 pub(super) type Unit = Vec<((String, String), Group)>;
 
 /// Sums of parts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sums {
     /// The plan of the parts.
-    #[serde(with = "as_text")]
     pub plan: Plan,
     /// Names of the features that are summed.
     pub features: Vec<String>,
-    /// The features that were chosen, as they were given, and may need further ones.
-    pub chosen: Vec<String>,
-    /// Conditions on the rows, as they were given.
-    pub conditions: Vec<String>,
     /// Number of rows.
     pub rows: u64,
     classes: BTreeMap<String, ClassSums>,
-    open: BTreeMap<String, Unit>,
-    /// 64 bits of the name of each closed drive, in ascending order.
-    closed: Vec<u64>,
 }
 
-mod as_text {
-    use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
-
-    use super::super::Plan;
-
-    pub(super) fn serialize<S: Serializer>(plan: &Plan, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(&plan.to_json())
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Plan, D::Error> {
-        Plan::parse(&String::deserialize(deserializer)?).map_err(D::Error::custom)
+impl Pattern {
+    fn merge(&mut self, other: &Self) {
+        self.rows.merge(&other.rows);
+        self.excess.iter_mut().zip(&other.excess).for_each(|(sum, more)| sum.merge(*more));
     }
 }
 
 impl ClassSums {
     fn new(features: usize) -> Self {
         Self { patterns: BTreeMap::new(), empty: 0, runs: Level::new(features), units: Level::new(features) }
-    }
-
-    /// Whether the lengths are those of the features of this mask.
-    fn fits(&self, all: u64) -> bool {
-        let of = |mask: u64| mask.count_ones() as usize;
-        let mut patterns = self.patterns.iter();
-        self.patterns.len() <= PATTERNS
-            && patterns.all(|(mask, own)| mask & !all == 0 && own.rows.fits(of(*mask)) && own.excess.len() == of(*mask))
-            && self.empty <= MOST_ROWS
-            && [&self.runs, &self.units].iter().all(|level| level.fits(of(all)))
     }
 
     fn pattern(&mut self, mask: u64) -> Result<&mut Pattern, Error> {
@@ -119,7 +81,7 @@ impl ClassSums {
             return Err(Error::Training(problem.into()));
         }
         let features = mask.count_ones() as usize;
-        let new = || Pattern { rows: Group::new(features), excess: vec![Exact::default(); features] };
+        let new = || Pattern { rows: Group::new(features), excess: vec![Double::default(); features] };
         Ok(self.patterns.entry(mask).or_insert_with(new))
     }
 
@@ -128,9 +90,7 @@ impl ClassSums {
         self.runs.merge(&other.runs);
         self.units.merge(&other.units);
         other.patterns.iter().try_for_each(|(mask, more)| {
-            let own = self.pattern(*mask)?;
-            own.rows.merge(&more.rows);
-            own.excess.iter_mut().zip(&more.excess).for_each(|(sum, more)| sum.merge(more));
+            self.pattern(*mask)?.merge(more);
             Ok(())
         })
     }
@@ -150,14 +110,11 @@ impl ClassSums {
             let there: Vec<usize> = (0..places.len()).filter(|k| (mask >> places[*k]) & 1 == 1).collect();
             let selected = there.iter().fold(0, |mask, k| mask | 1 << k);
             let ranks: Vec<usize> = there.iter().map(|k| rank(places[*k])).collect();
-            let rows = own.rows.select(&ranks);
-            let excess: Vec<Exact> = ranks.iter().map(|rank| own.excess[*rank].clone()).collect();
+            let excess = ranks.iter().map(|rank| own.excess[*rank]).collect();
+            let chosen = Pattern { rows: own.rows.select(&ranks), excess };
             match all.get_mut(&selected) {
-                Some(found) => {
-                    found.rows.merge(&rows);
-                    found.excess.iter_mut().zip(&excess).for_each(|(sum, more)| sum.merge(more));
-                }
-                None => drop(all.insert(selected, Pattern { rows, excess })),
+                Some(found) => found.merge(&chosen),
+                None => drop(all.insert(selected, chosen)),
             }
         }
         all.remove(&0);
@@ -171,24 +128,15 @@ impl ClassSums {
 }
 
 impl Sums {
-    /// No rows yet of these features, and the choice that needs them.
+    /// No rows yet of these features.
     ///
     /// # Errors
     /// More than [`MOST_FEATURES`].
-    pub fn new(plan: &Plan, [features, chosen]: [&[String]; 2], conditions: &[String]) -> Result<Self, Error> {
+    pub fn new(plan: &Plan, features: &[String]) -> Result<Self, Error> {
         if features.len() > MOST_FEATURES {
             return Err(Error::Usage(format!("at most {MOST_FEATURES} features can be summed; choose by --features")));
         }
-        Ok(Self {
-            plan: plan.clone(),
-            features: features.to_vec(),
-            chosen: chosen.to_vec(),
-            conditions: conditions.to_vec(),
-            rows: 0,
-            classes: BTreeMap::new(),
-            open: BTreeMap::new(),
-            closed: vec![],
-        })
+        Ok(Self { plan: plan.clone(), features: features.to_vec(), rows: 0, classes: BTreeMap::new() })
     }
 
     fn class(&mut self, name: &str) -> &mut ClassSums {
@@ -227,12 +175,7 @@ impl Sums {
     }
 
     /// Closes a complete drive.
-    pub(super) fn close(
-        &mut self,
-        name: &str,
-        unit: &[((String, String), Group)],
-        remember: bool,
-    ) -> Result<(), Error> {
+    pub(super) fn close(&mut self, unit: &[((String, String), Group)]) -> Result<(), Error> {
         let all = self.all();
         // Of a run whose segments all lack a feature there is no row.
         let mut runs = unit.iter().filter(|(_, own)| own.count > 0).peekable();
@@ -252,68 +195,13 @@ impl Sums {
             own.units.add(&closed);
             own.pattern(all)?.rows.merge(whole);
         }
-        if remember {
-            let key = key_of(name);
-            match self.closed.binary_search(&key) {
-                Ok(_) => return Err(twice(name)),
-                Err(place) => self.closed.insert(place, key),
-            }
-        }
         Ok(())
     }
 
-    /// Keeps the sums of a drive of which further rows may come.
-    pub(super) fn keep(&mut self, name: String, unit: Unit) {
-        merge_unit(self.open.entry(name).or_default(), unit);
-    }
-
-    /// Adds the sums of other rows.
-    ///
-    /// # Errors
-    /// Sums of other plans, features or conditions, or of the same drives.
-    pub fn merge(&mut self, other: Self) -> Result<(), Error> {
-        if let Some(difference) = self.plan.difference(&other.plan) {
-            return Err(Error::Usage(format!("different plans: {difference}; compute the features with one --plan")));
-        }
-        let differ = |what: &str, one: &[String], two: &[String]| {
-            let (one, two) = (one.join(", "), two.join(", "));
-            (one != two)
-                .then(|| Error::Usage(format!("sums of different {what}: {one} and {two}; sum the parts alike")))
-        };
-        let problem = differ("features", &self.features, &other.features);
-        let problem = problem.or_else(|| differ("chosen features", &self.chosen, &other.chosen));
-        if let Some(problem) = problem.or_else(|| differ("conditions", &self.conditions, &other.conditions)) {
-            return Err(problem);
-        }
-        let is_closed = |closed: &[u64], name: &String| closed.binary_search(&key_of(name)).is_ok();
-        let doubled = self.open.keys().find(|name| is_closed(&other.closed, name));
-        if let Some(name) = doubled.or_else(|| other.open.keys().find(|name| is_closed(&self.closed, name))) {
-            return Err(twice(name));
-        }
-        let before = self.closed.len();
-        self.closed.extend(other.closed);
-        // Both are sorted: the sort merges them.
-        self.closed.sort();
-        if before > 0 && self.closed.windows(2).any(|two| two[0] == two[1]) {
-            return Err(twice("of one name"));
-        }
+    /// Adds the sums of other rows of the same plan and features.
+    pub(super) fn merge(&mut self, other: &Self) -> Result<(), Error> {
         self.rows += other.rows;
-        for (name, class) in &other.classes {
-            self.class(name).merge(class)?;
-        }
-        other.open.into_iter().for_each(|(name, unit)| self.keep(name, unit));
-        Ok(())
-    }
-
-    /// Closes all drives: no further rows come.
-    ///
-    /// # Errors
-    /// As for rows that are added.
-    pub fn finish(mut self) -> Result<Self, Error> {
-        for (name, unit) in std::mem::take(&mut self.open) {
-            self.close(&name, &unit, false)?;
-        }
-        Ok(self)
+        other.classes.iter().try_for_each(|(name, class)| self.class(name).merge(class))
     }
 
     /// Names of the classes that have rows.
@@ -321,58 +209,10 @@ impl Sums {
         self.classes.keys().map(String::as_str)
     }
 
-    /// The sums of a class of finished sums.
+    /// The sums of a class.
     #[must_use]
     pub fn of_class(&self, name: &str) -> Option<&ClassSums> {
         self.classes.get(name)
-    }
-
-    /// Number of drives that are open, and of those that are closed and remembered.
-    #[must_use]
-    pub fn units(&self) -> [usize; 2] {
-        [self.open.len(), self.closed.len()]
-    }
-
-    /// Returns the sums as bytes, with a checksum.
-    ///
-    /// # Errors
-    /// Sums that cannot be written.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
-        let body = postcard::to_stdvec(self).map_err(|error| Error::Training(format!("sums: {error}")))?;
-        let checksum = CRC.checksum(&body).to_le_bytes();
-        Ok([MAGIC, &checksum, &body].concat())
-    }
-
-    /// Returns whether bytes begin as sums do.
-    #[must_use]
-    pub fn are_sums(bytes: &[u8]) -> bool {
-        bytes.starts_with(&MAGIC[..MAGIC.len() - 2])
-    }
-
-    /// Reads sums.
-    ///
-    /// # Errors
-    /// What is wrong with the bytes.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let Some(rest) = bytes.strip_prefix(MAGIC) else {
-            return Err("no sums of this version; write them again with `bearing-watch features-sum`".into());
-        };
-        let Some((checksum, body)) = rest.split_first_chunk::<8>() else { return Err("truncated".into()) };
-        if CRC.checksum(body) != u64::from_le_bytes(*checksum) {
-            return Err("the sums are damaged: their checksum differs; write them again".into());
-        }
-        let sums: Self = postcard::from_bytes(body).map_err(|error| format!("not readable as sums: {error}"))?;
-        if sums.fits() { Ok(sums) } else { Err("not readable as sums: their lengths differ; write them again".into()) }
-    }
-
-    /// Whether every part has the lengths of the features, and no more rows than can be added.
-    fn fits(&self) -> bool {
-        let features = self.features.len();
-        let mut open = self.open.values().flatten();
-        (1..=MOST_FEATURES).contains(&features)
-            && self.rows <= MOST_ROWS
-            && open.all(|(_, group)| group.fits(features))
-            && self.classes.values().all(|class| class.fits(self.all()))
     }
 }
 
@@ -387,16 +227,53 @@ pub(super) fn merge_unit(own: &mut Unit, more: Unit) {
     own.sort_by(|(one, _), (two, _)| one.cmp(two));
 }
 
-fn key_of(name: &str) -> u64 {
-    CRC.checksum(name.as_bytes())
-}
-
-fn twice(name: &str) -> Error {
-    Error::Usage(format!(
-        "drive {name} is in several sums, of which one took it for complete: sum the parts with this drive in one \
-         command, or with --keep-units"
-    ))
-}
-
 #[cfg(test)]
-mod tests;
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// Sums of two features; of the plan only the text counts here.
+    fn sums() -> Sums {
+        let plan = json!({
+            "version": 1, "features": ["a", "b"], "usual": [0.0, 0.0], "classes": [], "unit": null, "group": null,
+            "y": "i", "u1": "w", "u2": "t", "shaft": null, "further": [], "time": null, "rate_hz": null,
+            "front_end": null, "block_mean": 1, "decimate": 1, "recorded_interval_s": 0.0, "interval_s": 0.0,
+            "segment_samples": 1, "segment_given": false, "order": [1, 1, 1, 1, 1], "offset": false, "park": null,
+            "memory": null, "nominal": 0, "orders": [], "velocity_from_angle": false, "load": false, "core": "",
+        });
+        Sums::new(&serde_json::from_value(plan).expect("all keys"), &["a", "b"].map(String::from)).expect("few")
+    }
+
+    /// A run of healthy rows with both features.
+    fn run(name: &str, values: &[f64]) -> ((String, String), Group) {
+        let mut rows = Group::new(2);
+        values.iter().for_each(|value| rows.add(&[*value, -value]));
+        (("healthy".to_string(), name.to_string()), rows)
+    }
+
+    #[test]
+    fn rows_are_counted_by_the_features_that_they_have() {
+        let (mut one, mut other) = (sums(), sums());
+        one.add_partial("healthy", &[f64::NAN, f64::NAN], &[0.0, 0.0]).expect("few patterns");
+        one.add_partial("healthy", &[3.0, f64::NAN], &[0.5, 0.0]).expect("few patterns");
+        other.add_partial("healthy", &[5.0, f64::NAN], &[1.5, 0.0]).expect("few patterns");
+        one.merge(&other).expect("few patterns");
+        assert_eq!(one.rows, 3);
+        let class = one.of_class("healthy").expect("rows");
+        assert_eq!((class.empty, class.count()), (1, 2));
+        let [pattern] = &class.patterns(&[0, 1])[..] else { panic!("one pattern") };
+        assert_eq!((pattern.mask, pattern.rows.mean.as_slice(), &pattern.excess[..]), (1, &[4.0][..], &[1.0][..]));
+    }
+
+    #[test]
+    fn a_drive_has_the_rows_of_all_its_runs() {
+        let mut sums = sums();
+        sums.close(&[run("1", &[1.0, 3.0]), run("2", &[8.0]), run("3", &[])]).expect("one drive");
+        let class = sums.of_class("healthy").expect("rows");
+        assert_eq!((class.runs.count, class.runs.rows, class.runs.longest, class.runs.single), (2, 3, 2, 1));
+        assert_eq!((class.units.count, class.units.rows, class.units.longest), (1, 3, 3));
+        // Means: of runs 2 and 8, of the drive 12/3.
+        assert_eq!((class.runs.means().mean[0], class.units.means().mean[0]), (5.0, 4.0));
+    }
+}

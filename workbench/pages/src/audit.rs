@@ -1,9 +1,9 @@
 //! The page of an audit: what was found, signals, spectra over the orders of the shaft, and the smallest lines.
 
 use crate::conclusion::recordings;
+use crate::page::table::table;
 use crate::page::{counted, linked, or_reason, paragraph};
 use crate::plot::{self, Panel, Series};
-use crate::table::table;
 use crate::{Color, Marker, Page};
 use model::audit::column::Column;
 use model::audit::friction::Excited;

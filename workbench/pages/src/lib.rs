@@ -27,29 +27,19 @@
 //! | [`escape`] | text inside HTML |
 
 pub mod audit;
-mod chosen;
-pub mod cogging;
 pub mod conclusion;
-pub mod escape;
-pub mod evaluation;
-pub mod life;
-pub mod live;
+mod drive;
+mod identification;
 pub mod page;
-pub mod palette;
 pub mod plot;
-pub mod replay;
-mod runs;
 pub mod segments;
-pub mod structure;
-pub mod table;
 pub mod training;
-pub mod validation;
-#[cfg(test)]
-mod well_formed;
-pub mod worth;
 
-pub use page::Page;
+pub use drive::{life, live, replay};
+pub use identification::{cogging, structure, validation};
+pub use page::{Page, escape, palette, table};
 pub use palette::{Class, Color, Marker};
+pub use training::{evaluation, worth};
 
 /// Reason why a plot or table could not be drawn. Non-finite values are not an error: they are omitted and counted.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -12,9 +12,7 @@
 //! | [`campaign`] | experiments over many conditions and repetitions |
 //! | [`ema`] | the actuator, from phase currents and resolver counts to verdicts |
 //! | [`field`] | the effects of the field, one by one and together |
-//! | [`healthy_sets`] | gates of healthy sets that are not normal, not independent, or not healthy |
 //! | [`tables`] | the source's tables |
-//! | [`signals`] | the signals of a simulated trace as those of a recorded one |
 //! | [`pages`] | pages of the results |
 
 pub mod by_default;
@@ -22,11 +20,9 @@ pub mod campaign;
 pub mod demo;
 pub mod ema;
 pub mod field;
-pub mod healthy_sets;
 pub mod literal;
 pub mod pages;
 pub mod recipes;
-pub mod signals;
 pub mod simulation;
 pub mod tables;
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 25] = [
+pub const SOURCES: [Source; 24] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| {
         printed(("system", "demo"), "book/src/introduction.md", "standard_rig::twenty_draws")
@@ -156,9 +156,9 @@ pub fn quoted() -> Result<Block> {
     })
 }
 
-/// The output of a command of the workbench, as a block of fixed-width text.
+/// The output of a study, as a block of fixed-width text.
 fn workbench(command: &str, name: &str, file: &'static str) -> Result<Vec<Block>> {
-    let program = ["run", "--release", "--quiet", "--package", "bearing-watch-workbench", "--bin", "bearing-watch"];
+    let program = ["run", "--release", "--quiet", "--package", "bearing-watch-studies"];
     let mut text = String::from("```text\n");
     let status = child::lines(workspace::cargo(&program).arg("--").args(command.split(' ')), |line| {
         // The page is no part of the block.
@@ -167,7 +167,7 @@ fn workbench(command: &str, name: &str, file: &'static str) -> Result<Vec<Block>
             text.push('\n');
         }
     })?;
-    ensure!(status.success(), "bearing-watch {command}: {status}");
+    ensure!(status.success(), "bearing-watch-studies {command}: {status}");
     Ok(vec![Block::new(file, name, &format!("{}\n```", text.trim_end()))])
 }
 

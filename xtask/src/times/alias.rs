@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn the_repository_has_the_alias() -> Result<()> {
         // Without a package: features of the default members together are those with which the tests are built.
-        assert_eq!(Alias::demo()?.options, ["--bin", "bearing-watch-demo"]);
+        assert_eq!(Alias::demo()?.options, ["--bin", "bearing-watch-studies"]);
         Ok(())
     }
 }

@@ -48,7 +48,7 @@ mod tests {
         };
         let with = |own: u64| {
             let mut calls = REFERENCE.map(|name| call(name, 2)).to_vec();
-            calls.extend([call("bearing_watch", 1), call("bearing-watch-demo (program)", own), call("serde", 900)]);
+            calls.extend([call("bearing_watch", 1), call("bearing-watch-studies (program)", own), call("serde", 900)]);
             calls
         };
         let slow = |mut calls: Vec<Call>| {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::files::{Folder, Kind};
-use crate::serve::encoded;
+use crate::server::encoded;
 use model::Error;
 use pages::Page;
 use pages::conclusion::folder::words;

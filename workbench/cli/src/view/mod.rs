@@ -7,8 +7,11 @@ mod model_page;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::serve::{Local, Reply, answer_to, decoded, stop_flag};
-use super::{audit, output, replay};
+use crate::server::{Local, Reply, answer_to, decoded, stop_flag};
+
+use crate::command_line::output;
+use crate::drive::replay;
+use crate::recordings::audit;
 use files::{Folder, Kind};
 use model::Error;
 
@@ -18,7 +21,7 @@ use model::Error;
 /// this machine is served; nothing is written. Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch view recordings --open")]
-pub(super) struct Args {
+pub(crate) struct Args {
     /// Folder with traces, models (.bwm) and pages; also those in its folders
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -30,7 +33,7 @@ pub(super) struct Args {
     open: bool,
 }
 
-pub(super) fn run(args: &Args) -> Result<(), Error> {
+pub(crate) fn run(args: &Args) -> Result<(), Error> {
     let folder = Folder::open(&args.folder)?;
     let stopped = stop_flag()?;
     let local = Local::open(args.port)?;
@@ -44,7 +47,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 }
 
 /// The answer to these bytes of a client of the folder, if they have the head of a request; for attacks.
-pub(super) fn answer_of(folder: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Error> {
+pub(crate) fn answer_of(folder: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Error> {
     let folder = Folder::open(folder)?;
     Ok(answer_to(bytes, &|path, query| answer(&folder, path, query)))
 }

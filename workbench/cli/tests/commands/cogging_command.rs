@@ -1,4 +1,4 @@
-//! Command-line tests of `bearing-watch cogging`.
+//! Command-line tests of `bearing-watch grey-box cogging`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -45,7 +45,7 @@ fn lines_map_and_change_of_recordings() {
     let dir = folder.path();
     recordings(&dir.join("before"), 0, 0.0);
     recordings(&dir.join("now"), 100, 0.1);
-    let output = succeed(dir, "cogging before --out map.csv --report page.html --json");
+    let output = succeed(dir, "grey-box cogging before --out map.csv --report page.html --json");
     let value: Value = serde_json::from_str(&output).expect("JSON");
     fit(&schema("cogging"), &value);
     let lines = value["lines"].as_array().expect("a list");
@@ -72,11 +72,11 @@ fn lines_map_and_change_of_recordings() {
     let page = std::fs::read_to_string(dir.join("page.html")).expect("a page");
     assert!(page.contains("Current against cogging and unbalance") && !page.contains("Not drawn"));
 
-    let said = succeed(dir, "cogging now --since before --out map.c --format odrive");
+    let said = succeed(dir, "grey-box cogging now --since before --out map.c --format odrive");
     assert!(said.contains("the angle has slipped by 5.") && said.contains("order"), "{said}");
     let map = std::fs::read_to_string(dir.join("map.c")).expect("a map");
     assert!(map.contains("float cogging_map[3600] = {") && map.lines().count() == 3603);
-    let said = succeed(dir, "cogging before --kt 0.05 --load load_torque_nm");
+    let said = succeed(dir, "grey-box cogging before --kt 0.05 --load load_torque_nm");
     assert!(said.contains("residual"), "{said}");
 }
 
@@ -85,15 +85,15 @@ fn what_is_not_usable_is_refused() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
     recordings(&dir.join("runs"), 0, 0.0);
-    refuse(dir, "cogging runs --angle integrate(velocity_rad_s)", &["an integral is not absolute"]);
-    refuse(dir, "cogging runs --load none", &["--kt"]);
-    refuse(dir, "cogging runs/slow_0.csv --angle phi_rad", &["phi_rad"]);
+    refuse(dir, "grey-box cogging runs --angle integrate(velocity_rad_s)", &["an integral is not absolute"]);
+    refuse(dir, "grey-box cogging runs --load none", &["--kt"]);
+    refuse(dir, "grey-box cogging runs/slow_0.csv --angle phi_rad", &["phi_rad"]);
     // A shaft that stands still.
     rewrite_column(&dir.join("runs/slow_0.csv"), &dir.join("little.csv"), "angle_rad", |_| "0.5".into());
-    refuse(dir, "cogging little.csv", &["the shaft makes 0.0 turns", "at least 10 turns"]);
+    refuse(dir, "grey-box cogging little.csv", &["the shaft makes 0.0 turns", "at least 10 turns"]);
     // Each record of this set is a drive of its own, with phases of its own.
     succeed(dir, "simulate --class healthy --condition cogging --count 6 --seed 5 --out drives");
-    refuse(dir, "cogging drives", &["the angle is not absolute, or the drives differ: the line of order"]);
+    refuse(dir, "grey-box cogging drives", &["the angle is not absolute, or the drives differ: the line of order"]);
     succeed(dir, "simulate --class healthy --condition duty-one-way --count 3 --seed 5 --out one");
-    refuse(dir, "cogging one", &["forward", "in each direction"]);
+    refuse(dir, "grey-box cogging one", &["forward", "in each direction"]);
 }

@@ -159,7 +159,6 @@ fn a_single_input_needs_no_second_one() {
     let search = format!("structure {file} runs/healthy_7_001.csv {channels} --max 3,3,0,1,0");
     assert!(succeed(dir, &search).contains("best fit     1,2,0,1,0"));
     refuse(dir, &format!("identify {file} {channels} --order 2,2,1,1,1"), &["1 terms of a second input; give --u2"]);
-    refuse(dir, &format!("piecewise {file} {channels}"), &["give --u2"]);
 }
 
 /// So few runs get the recipe that training chooses, which finds a spall where means and rms do not.

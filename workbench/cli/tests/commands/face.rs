@@ -1,4 +1,4 @@
-//! Command-line tests of what all commands share: help, completions, manual pages, `-q`, `-v`, drive.toml of the
+//! Command-line tests of what all commands share: help, completions, `-q`, `-v`, drive.toml of the
 //! folder, and JSON with errors and names of forms.
 
 use std::path::Path;
@@ -10,8 +10,7 @@ use crate::common::{refuse, run, succeed};
 use crate::form::{fit, schema};
 
 /// The commands, with those below another one.
-const COMMANDS: [&str; 34] = [
-    "demo",
+const COMMANDS: [&str; 24] = [
     "init",
     "audit",
     "simulate",
@@ -21,17 +20,12 @@ const COMMANDS: [&str; 34] = [
     "grey-box motor",
     "grey-box electrical",
     "grey-box linear",
-    "cogging",
+    "grey-box cogging",
     "validate",
-    "keys",
     "sign",
-    "verify",
-    "piecewise",
     "train",
     "features",
-    "features-sum",
     "train-features",
-    "simulate-features",
     "evaluate",
     "replay",
     "confirm",
@@ -39,12 +33,8 @@ const COMMANDS: [&str; 34] = [
     "listen",
     "dbc",
     "convert",
-    "resample",
-    "campaign",
-    "tables",
     "schema",
     "completions",
-    "man",
 ];
 
 const CHANNELS: &str = "--y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,2,1,1";
@@ -98,7 +88,7 @@ fn no_command_is_left_out() {
 }
 
 #[test]
-fn completions_and_manual_pages() {
+fn completions_of_each_shell() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
@@ -112,15 +102,6 @@ fn completions_and_manual_pages() {
                  _bearing__watch bearing-watch --false-a train; echo ${COMPREPLY[@]}";
     let shell = Command::new("bash").current_dir(dir).args(["-c", words]).output().expect("bash starts");
     assert_eq!(String::from_utf8_lossy(&shell.stdout).trim(), "--false-alarm");
-    assert!(succeed(dir, "man").starts_with(".ie"));
-    succeed(dir, "man --out pages");
-    let page = |name: &str| std::fs::read_to_string(dir.join("pages").join(name)).expect(name);
-    for command in COMMANDS.into_iter().filter(|name| *name != "simulate-features") {
-        let text = page(&format!("bearing-watch-{}.1", command.replace(' ', "-")));
-        assert!(text.contains(".SH SYNOPSIS"), "{command}");
-    }
-    assert!(page("bearing-watch-train.1").contains("huber"), "all options");
-    assert!(page("bearing-watch.1").contains("bearing\\-watch\\-train"));
 }
 
 #[test]
@@ -242,12 +223,9 @@ fn json_has_the_form_that_its_schema_describes() {
     fits("audit", "audit runs");
     let motor = "--current current_a --velocity velocity_rad_s --load load_torque_nm";
     fits("grey-box", &format!("grey-box motor {traces} {motor}"));
-    fits("cogging", "cogging runs");
+    fits("cogging", "grey-box cogging runs");
     fits("features", &format!("features --labels runs/labels.csv {CHANNELS} --out f.parquet"));
-    fits("features-sum", "features-sum f.parquet --features a --out f.sums");
-    fits("train-features", "train-features f.sums --model f.bwm");
-    fits("demo", "demo --repetitions 1 --traces 8 --out demo.html");
-    fits("campaign", "campaign --repetitions 1 --traces 12 --quick --only amplitude-2,frequency-2");
+    fits("train-features", "train-features f.parquet --features a --model f.bwm");
     let rows = json(&succeed(dir, &format!("identify runs {CHANNELS} --json")));
     assert_eq!((&rows[1]["format"], &rows[1]["version"]), (&"bearing-watch/identify".into(), &1.into()));
 }

@@ -1,4 +1,4 @@
-//! Command-line tests of parts, their sums, and training from them.
+//! Command-line tests of parts and training from them.
 
 use super::common::{refuse, succeed};
 use serde_json::Value;
@@ -35,15 +35,11 @@ fn a_model_from_parts_is_that_from_traces() {
     let train = |from: &str| json(&succeed(dir, &format!("train-features {from} {CLASSIFIER} --model f.bwm")));
     let (once, twice) = (train("whole.parquet"), train("one.parquet two.parquet"));
     assert_eq!(once["fingerprint"], twice["fingerprint"]);
-    let sum = |from: &str, out: &str| {
-        succeed(dir, &format!("features-sum {from} --features drag_log,inverse_kt,order_outer --out {out}"))
+    let bytes = |from: &str| {
+        train(from);
+        std::fs::read(dir.join("f.bwm")).expect("a model")
     };
-    sum("one.parquet", "one.sums");
-    sum("two.parquet", "two.sums");
-    succeed(dir, "features-sum two.sums one.sums --out all.sums");
-    let (one_pass, of_sums) = (train("whole.parquet --one-pass"), train("all.sums"));
-    assert_eq!(one_pass["fingerprint"], of_sums["fingerprint"]);
-
+    assert!(bytes("whole.parquet") == bytes("two.parquet one.parquet"), "the same bytes");
     let direct = format!("train --labels train/labels.csv {CHANNELS} {CLASSIFIER} --model d.bwm");
     let direct = json(&succeed(dir, &direct));
     let number = |of: &Value, path: &str| of.pointer(path).and_then(Value::as_f64).expect("a number");
@@ -65,39 +61,7 @@ fn a_model_from_parts_is_that_from_traces() {
     fails(&format!("{from} --classes worn"), &["no segment of class worn; there are healthy, spall"]);
     fails(&format!("{from} --features order_moon"), &["no order_moon in this model"]);
     fails("train-features train/labels.csv --model g.bwm", &["not readable as Parquet"]);
-    fails("train-features whole.parquet all.sums --model g.bwm", &["all.sums and the parts: "]);
-    fails(
-        "features-sum one.sums one.parquet --features drag_log,inverse_kt,order_outer --out x.sums",
-        &["several sums"],
-    );
     let plan = "features --labels train/labels.csv --y current_a --u1 velocity_ref_rad_s --plan whole.parquet";
     fails(&format!("{plan} --order 2,1,0,1,1 --out x.parquet"), &["whole.parquet, plan: the channels of this command"]);
     fails(&format!("features --labels train/labels.csv {CHANNELS} --out x.csv"), &["name it .parquet"]);
-}
-
-/// Sums are trained on with the features that they were made for, also where these need further sums.
-#[test]
-fn sums_keep_the_choice_of_features() {
-    let folder = tempfile::tempdir().expect("folder");
-    let dir = folder.path();
-    succeed(dir, "simulate --class healthy,spall --count 12 --seed 31 --mix --out train");
-    succeed(dir, &format!("features --labels train/labels.csv {CHANNELS} --out all.parquet"));
-    for (features, expected) in [("a", "a1 a2"), ("a,b", "a1 a2 b1"), ("drag_log,a1", "drag_log a1")] {
-        succeed(dir, &format!("features-sum all.parquet --features {features} --out s.sums"));
-        succeed(dir, "features-sum s.sums --out merged.sums");
-        for sums in ["s.sums", "merged.sums"] {
-            let trained = json(&succeed(dir, &format!("train-features {sums} --model m.bwm --json")));
-            let mut names: Vec<&str> =
-                trained["features"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
-            let mut expected: Vec<&str> = expected.split(' ').collect();
-            names.sort_unstable();
-            expected.sort_unstable();
-            assert_eq!(names, expected, "{features} {sums}");
-        }
-        let other = json(&succeed(dir, "train-features s.sums --features a1 --model m.bwm --json"));
-        assert_eq!(other["features"], serde_json::json!(["a1"]), "{features}");
-    }
-    succeed(dir, "features-sum all.parquet --features a --keep-units --out a.sums");
-    succeed(dir, "features-sum all.parquet --features b --keep-units --out b.sums");
-    refuse(dir, "features-sum a.sums b.sums --out ab.sums", &["sums of different chosen features: a and b"]);
 }

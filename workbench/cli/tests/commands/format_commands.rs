@@ -56,7 +56,7 @@ fn resampling_tells_gaps_and_refuses_higher_rates() {
     let rows: String = (0..500).map(|k| format!("{},{}\n", time(k), k % 5)).collect();
     std::fs::write(dir.join("log.csv"), format!("t_s,i\n{rows}")).expect("writable");
     std::fs::create_dir(dir.join("out")).expect("a folder");
-    let output = run(dir, "resample log.csv --to-hz 50 --format parquet --out out");
+    let output = run(dir, "convert log.csv --to-hz 50 --format parquet --out out");
     let warned = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && warned.contains("gap of 1.004"), "{warned}");
     succeed(dir, "convert out/log_2.parquet --out second.csv");
@@ -65,13 +65,13 @@ fn resampling_tells_gaps_and_refuses_higher_rates() {
     assert!(rows[0] == "t_s,i" && rows[1].starts_with("2.2,") && rows[2].starts_with("2.22"), "{rows:?}");
     // 200 rows of 4 ms.
     assert!((39..=41).contains(&(rows.len() - 1)), "{} rows", rows.len());
-    refuse(dir, "resample log.csv --to-hz 400 --out x.csv", &["trace log: 500 rows at about 250.00 a second"]);
-    refuse(dir, "resample log.csv --to-hz 50 --time none --out x.csv", &["no time column"]);
-    let several = run(dir, "resample log.csv --to-hz 50 --out x.csv");
+    refuse(dir, "convert log.csv --to-hz 400 --out x.csv", &["trace log: 500 rows at about 250.00 a second"]);
+    refuse(dir, "convert log.csv --to-hz 50 --time none --out x.csv", &["no time column"]);
+    let several = run(dir, "convert log.csv --to-hz 50 --out x.csv");
     assert!(
         String::from_utf8_lossy(&several.stderr).contains("one file for several traces") && !dir.join("x.csv").exists()
     );
-    succeed(dir, "resample log.csv --to-hz 50 --out fresh");
+    succeed(dir, "convert log.csv --to-hz 50 --out fresh");
     assert!(dir.join("fresh/log_2.csv").is_file());
-    refuse(dir, "resample log.csv --to-hz 0 --out x.csv", &["give a number above 0"]);
+    refuse(dir, "convert log.csv --to-hz 0 --out x.csv", &["give a number above 0"]);
 }

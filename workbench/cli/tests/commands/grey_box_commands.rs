@@ -1,4 +1,4 @@
-//! Command-line tests of `grey-box` and `piecewise`.
+//! Command-line tests of `grey-box`.
 
 use std::path::Path;
 use std::process::Command;
@@ -51,9 +51,6 @@ fn motor_constants_of_the_rig() {
     near(quantity(&found, "J"), 2.5e-4, 0.1);
     near(quantity(&found, "B"), 1e-4, 0.3);
     near(quantity(&found, "Kt"), 0.05, 0.01);
-    let (code, out, _) =
-        run(dir, "piecewise t --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --threshold 0.5");
-    assert!(code == 0 && out.starts_with("trace,runs,a1,b1,c1\nhealthy_11_000.csv,"), "{out}");
 }
 
 /// Writes current and velocity of the forward-Euler motor of thesis Eq. 2.41 under a random voltage and load.
@@ -98,7 +95,6 @@ fn bad_input_is_one_line() {
         ("grey-box linear x.csv --position position --force force", "x.csv"),
         ("grey-box linear x.csv --position place --force force", "place"),
         ("grey-box motor x.csv", "current_a"),
-        ("piecewise x.csv --y position --u1 force --u2 force", "x.csv"),
         ("structure x.csv other.csv --y position --u1 force --u2 force --max 2,2,2,1,1", "x.csv"),
         ("validate x.csv --y position --u1 force --u2 force --order 1,1,1,1,1", "x.csv"),
     ] {

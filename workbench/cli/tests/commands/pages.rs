@@ -7,6 +7,8 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::browser::{self, Opened};
 use crate::common::{run, succeed};
+use studies::demo;
+use studies::pages::campaign::field_page;
 
 const SIGNALS: &str = "--y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm";
 /// Largest page, bytes.
@@ -29,9 +31,10 @@ fn write_pages(dir: &Path) -> Vec<(&'static str, usize)> {
     succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --report evaluate.html");
     let dynamic = "--max 2,2,2,1,1 --report structure.html";
     succeed(dir, &format!("structure test/healthy_2_000.csv test/healthy_2_001.csv {validated} {dynamic}"));
-    succeed(dir, "demo --repetitions 1 --traces 8 --out demo.html");
+    std::fs::write(dir.join("demo.html"), demo_page()).expect("written");
     let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/field.md");
-    succeed(dir, &format!("campaign --field --printed {} --report field.html", table.display()));
+    let field = field_page(&std::fs::read_to_string(table).expect("a document")).expect("a table");
+    std::fs::write(dir.join("field.html"), field).expect("written");
     std::fs::create_dir(dir.join("wide")).expect("folder");
     (0..4).for_each(|k| std::fs::write(dir.join(format!("wide/{k}.csv")), wide(k)).expect("written"));
     // The exit code tells that something was found.
@@ -46,6 +49,14 @@ fn write_pages(dir: &Path) -> Vec<(&'static str, usize)> {
         ("field.html", 1),
         ("audit.html", 20),
     ]
+}
+
+/// The page of a small demo.
+fn demo_page() -> String {
+    let settings = demo::Settings { repetitions: 1, traces: 8, seed: 1 };
+    let first = demo::draw(&settings, 0, || ()).expect("the standard rig");
+    let rows = demo::rows(std::slice::from_ref(&first.repetition));
+    studies::pages::demo::page(&settings, &first, &rows).expect("a page")
 }
 
 /// A recording of many columns and rows, whose page must stay small.

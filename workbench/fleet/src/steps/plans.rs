@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::beside::read_plan;
+use crate::plan_files::read_plan;
 use crate::{Origin, Part, Plan};
 use model::Error;
 use model::session::{Selection, prepare};

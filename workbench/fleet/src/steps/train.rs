@@ -1,4 +1,4 @@
-//! `train-features`: the model of parts or sums.
+//! `train-features`: the model of parts.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -6,9 +6,9 @@ use std::time::Instant;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::inputs::{Inputs, rows_of};
 use super::memory::peak_memory_mb;
-use crate::{Choice, Fit, Independent, Part, Plan, Sums, Tails, Units, Wanted, fingerprint};
+use crate::plan_files::files;
+use crate::{Choice, Fit, Independent, Part, Plan, Sums, Tails, Wanted, fingerprint, fold};
 use model::Error;
 use model::outputs::{self, Exports};
 use model::session::description::{self, method_word};
@@ -21,7 +21,7 @@ use model::train::{Alarms, Recipe, Trained};
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PartOptions {
-    /// Parts (`features`), sums (`features-sum`), or folders of them
+    /// Parts (`features`), or folders of them
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "PARTS", "x-positional" = true)))]
     pub parts: Vec<PathBuf>,
     /// Leave out the second pass over the parts: tails of the gate's law have their prior probabilities
@@ -49,7 +49,7 @@ pub struct TrainedOnParts {
     tails: bool,
 }
 
-/// Trains from parts or sums, and writes the model; the text of a drive file goes into its notes.
+/// Trains from parts, and writes the model; the text of a drive file goes into its notes.
 ///
 /// # Errors
 /// What cannot be read or written, other plans, or settings that do not fit.
@@ -62,17 +62,15 @@ pub fn train_features(
 ) -> Result<TrainedOnParts, Error> {
     let start = Instant::now();
     outputs::plan(&exports.files().collect::<Vec<_>>(), &options.parts)?;
-    let inputs = Inputs::open(&options.parts)?;
-    let plan = inputs.plan()?.clone();
+    let parts: Vec<Part> = files(&options.parts)?.iter().map(|path| Part::open(path)).collect::<Result<_, _>>()?;
+    let plan = parts.first().ok_or_else(|| Error::Usage("no part is given".into()))?.plan.clone();
     let independent = independent(&settings.validation, &plan)?;
-    let wanted = wanted(settings, &inputs, &plan)?;
-    let units = if inputs.sums.is_empty() { Units::Closed } else { Units::Remembered };
-    let (sums, parts) = inputs.folded(&wanted, units, log)?;
-    let from_parts = !parts.is_empty() && units == Units::Closed;
-    let sums = sums.finish()?;
-    let fit = fit(&with_choice(settings, &sums), &sums, &plan, independent)?;
+    let wanted = wanted(settings, &plan)?;
+    let rows = parts.iter().map(Part::rows).sum::<u64>() as usize;
+    let sums = fold(&parts, &wanted, &*log.steps("summing", rows))?;
+    let fit = fit(settings, &sums, &plan, independent)?;
     let first_s = start.elapsed().as_secs_f64();
-    let tails = if from_parts && !options.one_pass { second_pass(&parts, &fit, &wanted, log)? } else { None };
+    let tails = if options.one_pass { None } else { second_pass((&parts, rows), &fit, &wanted, log)? };
     let (trained, host) = fit.train(tails.as_ref())?;
     let channels = read_by(&trained, plan.channels.clone());
     let description = description::lines(&trained, &channels, host);
@@ -99,28 +97,10 @@ pub fn train_features(
 
 /// The features and segments that are needed. The classes are not known yet; names and counts of priors and costs are
 /// checked when the model is fitted.
-fn wanted(settings: &Settings, inputs: &Inputs, plan: &Plan) -> Result<Wanted, Error> {
+fn wanted(settings: &Settings, plan: &Plan) -> Result<Wanted, Error> {
     let (features, covariates) = (settings.model.features.clone(), settings.model.covariates.clone());
-    let conditions = settings.validation.train_where.clone();
-    let chosen = features.clone();
     let first = Recipe { features, covariates, ..plan.recipe() };
-    if !inputs.parts.is_empty() {
-        return Ok(Wanted { features: Choice::new(plan, &first)?.features, chosen, conditions });
-    }
-    if !conditions.is_empty() {
-        return Err(Error::Usage("--train-where chooses segments of parts; sums have theirs".into()));
-    }
-    // The sums' own features, if none are chosen.
-    Ok(Wanted { features: vec![], chosen, conditions })
-}
-
-/// The settings with the features for which the sums were made, unless others are chosen.
-fn with_choice(settings: &Settings, sums: &Sums) -> Settings {
-    let mut settings = settings.clone();
-    if settings.model.features.is_empty() {
-        settings.model.features.clone_from(&sums.chosen);
-    }
-    settings
+    Ok(Wanted { features: Choice::new(plan, &first)?.features, conditions: settings.validation.train_where.clone() })
 }
 
 /// The fit of a model to sums.
@@ -134,12 +114,17 @@ fn fit(settings: &Settings, sums: &Sums, plan: &Plan, independent: Independent) 
 }
 
 /// The left-out distances, if the order of the rows allows it.
-fn second_pass(parts: &[Part], fit: &Fit, wanted: &Wanted, log: &Log<'_>) -> Result<Option<Tails>, Error> {
+fn second_pass(
+    (parts, rows): (&[Part], usize),
+    fit: &Fit,
+    wanted: &Wanted,
+    log: &Log<'_>,
+) -> Result<Option<Tails>, Error> {
     if fit.counts_groups() && parts.iter().any(|part| !part.sorted) {
         log.warn(["units do not ascend: no second pass, and tails have their prior probabilities"]);
         return Ok(None);
     }
-    crate::tails(parts, fit, wanted, &*log.steps("distances", rows_of(parts)))
+    crate::tails(parts, fit, wanted, &*log.steps("distances", rows))
 }
 
 /// What counts as independent.

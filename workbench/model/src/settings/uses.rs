@@ -119,9 +119,7 @@ impl Use {
         ],
         required: &["labels", "y", "u1", "order"],
     };
-    /// Sums of parts.
-    pub const FEATURES_SUM: Self = Self { name: "features-sum", keys: &[&["features", "train_where"]], required: &[] };
-    /// Training from parts or sums.
+    /// Training from parts.
     pub const TRAIN_FEATURES: Self = Self {
         name: "train-features",
         keys: &[CLASSIFIER, ALARM, GROUPS, &["covariates", "classes", "train_where"]],
@@ -212,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_job_takes_known_keys_and_each_key_is_taken() {
-        let jobs = [Use::TRAIN, Use::EVALUATE, Use::REPLAY, Use::FEATURES, Use::FEATURES_SUM, Use::TRAIN_FEATURES];
+        let jobs = [Use::TRAIN, Use::EVALUATE, Use::REPLAY, Use::FEATURES, Use::TRAIN_FEATURES];
         for job in jobs {
             let stranger = job.keys().chain(job.required.iter().copied()).find(|key| section_of(key).is_none());
             assert_eq!(stranger, None, "{}", job.name);

@@ -72,7 +72,7 @@ fn check_intervals(traces: &[LabelledTrace]) -> Result<(), Error> {
         // Single precision prints without the digits of rounding errors.
         let (step, interval) = (step as f32, interval as f32);
         let problem =
-            format!("sampled every {step} s, but {first} every {interval} s; train on one rate (command resample)");
+            format!("sampled every {step} s, but {first} every {interval} s; train on one rate (convert --to-hz)");
         Err(Error::trace(id, problem))
     })
 }

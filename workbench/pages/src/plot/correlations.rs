@@ -2,14 +2,14 @@
 
 use serde_json::json;
 
-use super::super::ReportError;
-use super::super::palette::Color;
-use super::figure::{Figure, text};
-use super::numbers::{Range, usable};
-use super::plotly::{Axis, Bar, Fill, HoverInfo, Line, LineShape, Marker, Mode, Scatter};
+use super::drawing::figure::{Figure, text};
+use super::drawing::numbers::{Range, usable};
+use super::drawing::plotly::{Axis, Bar, Fill, HoverInfo, Line, LineShape, Marker, Mode, Scatter};
+use super::drawing::stack::{Across, Row, axis_name, stack, vertical};
+use super::drawing::theme::SOFT;
 use super::series::rounded;
-use super::stack::{Across, Row, axis_name, stack, vertical};
-use super::theme::SOFT;
+use crate::ReportError;
+use crate::page::palette::Color;
 
 const HEIGHT: f64 = 150.0;
 /// Width of a stem, in lags.
@@ -96,9 +96,9 @@ fn draw(figure: &mut Figure, lags: &[Lag], (panel, scale): (usize, Range), band:
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::well_formed::check;
-    use super::super::figure::named;
     use super::*;
+    use crate::page::well_formed::check;
+    use crate::plot::drawing::figure::named;
 
     fn panel(values: &[f64]) -> CorrelationPanel {
         let lags = (-1..).zip(values).map(|(lag, &value)| Lag { lag, value, bound: 0.1 }).collect();

@@ -2,10 +2,10 @@
 
 use serde_json::json;
 
-use super::figure::{Figure, text};
-use super::numbers::{Range, usable};
-use super::stack::axis_name;
-use super::theme::{INK, LABEL, LANE, SOFT};
+use super::drawing::figure::{Figure, text};
+use super::drawing::numbers::{Range, usable};
+use super::drawing::stack::axis_name;
+use super::drawing::theme::{INK, LABEL, LANE, SOFT};
 
 /// Width of the panels on a phone, pixels, for which the names are placed; what is free beside them, before the
 /// buttons.
@@ -73,10 +73,10 @@ fn shortened(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::palette::Color;
-    use super::super::figure::drawn;
     use super::super::{Panel, Series, timeline};
     use super::*;
+    use crate::page::palette::Color;
+    use crate::plot::drawing::figure::drawn;
 
     fn layout(events: &[Event]) -> serde_json::Value {
         let points = (0..100).map(|k| (f64::from(k), 1.0));

@@ -2,13 +2,13 @@
 
 use serde_json::json;
 
-use super::super::ReportError;
-use super::super::palette::{Color, Marker};
-use super::figure::{Figure, text};
-use super::numbers::Range;
-use super::plotly::{Axis, HoverInfo, Line, Mode, Scatter};
+use super::drawing::figure::{Figure, text};
+use super::drawing::numbers::Range;
+use super::drawing::plotly::{Axis, HoverInfo, Line, Mode, Scatter};
+use super::drawing::theme::{BOTTOM, SOFT, TOP};
 use super::series::rounded;
-use super::theme::{BOTTOM, SOFT, TOP};
+use crate::ReportError;
+use crate::page::palette::{Color, Marker};
 use model::evaluate::Rate;
 
 const COLUMNS: usize = 4;
@@ -125,9 +125,9 @@ fn draw(figure: &mut Figure, series: &SizeSeries, k: usize, (number, x): (&str, 
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::well_formed::check;
-    use super::super::figure::{drawn, named};
     use super::*;
+    use crate::page::well_formed::check;
+    use crate::plot::drawing::figure::{drawn, named};
 
     #[test]
     fn every_panel_has_its_axes_and_its_series() {

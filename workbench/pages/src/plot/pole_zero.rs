@@ -8,13 +8,13 @@ use std::f64::consts::TAU;
 
 use serde_json::json;
 
-use super::super::ReportError;
-use super::super::palette::Color;
-use super::figure::{Figure, text};
-use super::numbers::{Range, usable};
-use super::plotly::{Axis, Fill, HoverInfo, Line, Marker, Mode, Scatter, Symbol};
+use super::drawing::figure::{Figure, text};
+use super::drawing::numbers::{Range, usable};
+use super::drawing::plotly::{Axis, Fill, HoverInfo, Line, Marker, Mode, Scatter, Symbol};
+use super::drawing::theme::SOFT;
 use super::series::rounded;
-use super::theme::SOFT;
+use crate::ReportError;
+use crate::page::palette::Color;
 
 /// Half width of the largest first view; height of the figure.
 const FARTHEST: f64 = 2.5;
@@ -121,9 +121,9 @@ fn draw(figure: &mut Figure, group: &MapGroup, across: Range, up: Range) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::well_formed::check;
-    use super::super::figure::{drawn, named};
     use super::*;
+    use crate::page::well_formed::check;
+    use crate::plot::drawing::figure::{drawn, named};
 
     fn group(poles: bool, points: &[(f64, f64)], half: f64) -> MapGroup {
         let point = |&(re, im): &(f64, f64)| MapPoint { at: (re, im), outline: vec![(re - half, im), (re + half, im)] };

@@ -2,14 +2,14 @@
 
 use serde_json::json;
 
-use super::super::ReportError;
-use super::super::palette::Class;
-use super::figure::{Figure, text};
-use super::numbers::{Range, usable};
-use super::plotly::{Axis, Line, Marker, Mode, Scatter, Symbol};
+use super::drawing::figure::{Figure, text};
+use super::drawing::numbers::{Range, usable};
+use super::drawing::plotly::{Axis, Line, Marker, Mode, Scatter, Symbol};
+use super::drawing::stack::{Across, Row, axis_name, stack, vertical};
+use super::drawing::theme::{INK, RULE};
 use super::series::rounded;
-use super::stack::{Across, Row, axis_name, stack, vertical};
-use super::theme::{INK, RULE};
+use crate::ReportError;
+use crate::page::palette::Class;
 
 const HEIGHT: f64 = 110.0;
 /// Values of one figure, so that a page stays small; runs whose names fit under the axis.
@@ -128,9 +128,9 @@ fn draw(figure: &mut Figure, (feature, y): (usize, Range), classes: &[Class], po
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::well_formed::check;
-    use super::super::figure::{drawn, named};
     use super::*;
+    use crate::page::well_formed::check;
+    use crate::plot::drawing::figure::{drawn, named};
 
     #[test]
     fn points_stand_in_the_order_of_their_runs() {

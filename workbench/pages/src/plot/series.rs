@@ -1,10 +1,10 @@
 //! A named series of points, drawn as a line.
 
-use super::super::palette::{Color, Marker};
-use super::decimate::runs;
-use super::figure::text;
-use super::numbers::{Range, usable};
-use super::plotly::{DashType, Fill, HoverInfo, Line, Mode, Scatter};
+use super::drawing::decimate::runs;
+use super::drawing::figure::text;
+use super::drawing::numbers::{Range, usable};
+use super::drawing::plotly::{DashType, Fill, HoverInfo, Line, Mode, Scatter};
+use crate::page::palette::{Color, Marker};
 
 /// One line of a plot. Non-finite points leave a gap.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,13 @@
 //! Series in stacked panels over one horizontal axis: signals over time with events, spectra, rates over a size.
 
-use super::super::ReportError;
+use super::drawing::figure::Figure;
+use super::drawing::numbers::{Range, usable};
+use super::drawing::plotly::{Axis, AxisType};
+use super::drawing::stack::{Across, Row, axis_name, stack_below, vertical};
 use super::events::{Event, mark};
-use super::figure::Figure;
-use super::numbers::{Range, usable};
-use super::plotly::{Axis, AxisType};
 use super::series::{Drawing, Series, x_range, y_range};
-use super::stack::{Across, Row, axis_name, stack_below, vertical};
 use super::strip::Strip;
+use crate::ReportError;
 
 /// Heights in pixels: of a plot of lines, of a single panel of signals, of one of several.
 const LINES: f64 = 320.0;
@@ -189,10 +189,10 @@ fn stacked(
 mod tests {
     use serde_json::json;
 
-    use super::super::super::palette::{Color, Marker};
-    use super::super::super::well_formed::check;
-    use super::super::figure::{drawn, named};
     use super::*;
+    use crate::page::palette::{Color, Marker};
+    use crate::page::well_formed::check;
+    use crate::plot::drawing::figure::{drawn, named};
 
     fn series(values: &[f64]) -> Series {
         Series::new("a", Color::of(0), (0u32..).map(|i| f64::from(i) * 1e-3).zip(values.iter().copied()))

@@ -1,11 +1,11 @@
 //! A strip of named intervals over time, such as true classes and decisions.
 
-use super::super::palette::Class;
-use super::figure::{Figure, text};
-use super::numbers::Range;
-use super::plotly::{Axis, HeatMap, Marker, Mode, Scatter, Symbol};
-use super::stack::{Row, axis_name};
-use super::theme::CLEAR;
+use super::drawing::figure::{Figure, text};
+use super::drawing::numbers::Range;
+use super::drawing::plotly::{Axis, HeatMap, Marker, Mode, Scatter, Symbol};
+use super::drawing::stack::{Row, axis_name};
+use super::drawing::theme::CLEAR;
+use crate::page::palette::Class;
 
 /// Height of one strip in pixels.
 const HEIGHT: f64 = 26.0;

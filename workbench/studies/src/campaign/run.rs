@@ -10,13 +10,12 @@ use super::seeds::Purpose;
 use super::sets::{Cell, Recording, map_traces};
 use crate::literal;
 use crate::recipes::{self, REFERENCE_ORDER};
-use crate::signals::motion;
 use model::Error;
 use model::core::{Embedded, Finding, SegmentReport};
-use model::trace::Trace;
 use model::trace::labels::LabelledTrace;
+use model::trace::{MotionTrace, Trace};
 use model::train::{Alarms, Recipe, train};
-use rig::{Condition, Defect, Scenario};
+use rig::{Condition, Defect, RigTrace, Scenario};
 
 /// The configuration of all experiments: [`recipes::shaft`] with [`recipes::SIZE_SPREAD`] and a novelty gate at the
 /// given false-alarm rate.
@@ -41,6 +40,18 @@ pub struct Count {
 #[must_use]
 pub fn class_names(classes: &[Defect]) -> Vec<String> {
     classes.iter().map(|defect| defect.kind.name().to_string()).collect()
+}
+
+/// The signals of the shaft of a simulated trace, as those of a recorded one.
+#[must_use]
+pub fn motion(recorded: &RigTrace) -> MotionTrace {
+    MotionTrace {
+        current_a: recorded.current_a.clone(),
+        velocity_rad_s: recorded.velocity_rad_s.clone(),
+        load_nm: recorded.recorded_load_nm(),
+        angle_rad: recorded.angle_rad.clone(),
+        reference_rad_s: recorded.velocity_ref_rad_s.clone(),
+    }
 }
 
 /// Converts a recording to a labelled trace of the workbench; u1 is the velocity reference.

@@ -18,7 +18,6 @@ pub mod record;
 pub mod render;
 pub mod run;
 pub mod sets;
-mod settings;
 pub mod source;
 
 use crate::literal::Judged;
@@ -27,7 +26,7 @@ use experiments::Experiment;
 use model::Error;
 use rig::ema::EmaCondition;
 use run::Count;
-pub use settings::Settings;
+pub use run::Settings;
 
 /// One experiment over all draws.
 #[derive(Clone, Debug)]

@@ -6,7 +6,6 @@ use super::experiments::{Counted, Experiment, Group};
 use super::recipe;
 use super::record::cleaned;
 use super::sets::{CLASSES, FACTOR, class_names, recorded_on};
-use super::settings::Settings;
 use super::source;
 use crate::campaign::{Purpose, SeedKey};
 use crate::literal::Judged;
@@ -18,6 +17,19 @@ use model::trace::labels::LabelledTrace;
 use model::train::train;
 use rig::ema::{EmaCondition, Race};
 use rig::{Defect, DefectKind};
+
+/// Size of the campaign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Number of draws of training and validation sets.
+    pub draws: u32,
+    /// Number of the first draw; other numbers give other records.
+    pub first: u32,
+    /// Number of records per class and set.
+    pub records: u32,
+    /// The detector of a user who names no features, instead of [`super::recipe`]; without the source's method.
+    pub default: bool,
+}
 
 /// The source's models of Tables 5.2 and 5.3: sine command against a load sine, as in MIX.
 pub const MODELS: [Published; 2] = [CHAPTER_5[0], CHAPTER_5[1]];

@@ -10,8 +10,7 @@ use std::f64::consts::PI;
 
 use serde_json::{Value, json};
 
-use super::default;
-use super::recipe::has_load_sensor;
+use super::recipe::{by_default, has_load_sensor};
 use super::render::percent;
 use super::rows::Row;
 use super::tally::{Tally, rate};
@@ -87,7 +86,7 @@ impl Bench {
     fn new(row: &Row, draw: u32) -> Result<Self, Error> {
         let classes = class_names(&[Defect::HEALTHY]);
         let set = traces(&[(row.training(draw, Defect::HEALTHY), 0)], RECORDS[0])?;
-        let model = train(&set, &classes, &default::recipe(row, &classes)?)?.embed()?;
+        let model = train(&set, &classes, &by_default(row, &classes)?)?.embed()?;
         let viscous = model.shaft().map_or(f64::NAN, |shaft| f64::from(shaft.balance.nominal[1]));
         Ok(Self { row: *row, draw, model, viscous })
     }

@@ -8,9 +8,7 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`bounds`] | what one record can tell |
 //! | [`picture`] | the table as a picture |
-//! | [`default`] | what a user gets who names no features |
 //! | [`recipe`] | the configuration: features, false-alarm rate |
 //! | [`rows`] | conditions, defects, and the cells of their traces |
 //! | [`settings`] | draws, and records of each |
@@ -19,11 +17,8 @@
 //! | [`limits`] | defects at the limit that a healthy verdict states |
 //! | [`delay`] | hours between false alarms and runs until the alarm |
 //! | [`growth`] | size of a growing defect and the time left, beside the truth |
-//! | [`sessions`] | false alarms of a fleet, drive by drive and day by day |
 //! | [`render`] | the table as text, rows and JSON |
 
-pub mod bounds;
-pub mod default;
 pub mod delay;
 pub mod growth;
 pub mod limits;
@@ -32,7 +27,6 @@ pub mod recipe;
 pub mod render;
 pub mod rows;
 pub mod run;
-pub mod sessions;
 pub mod settings;
 pub mod tally;
 

@@ -2,7 +2,8 @@
 //! in [`Settings::features`](super::Settings::features).
 
 use super::rows::Row;
-use crate::recipes;
+use crate::{by_default, recipes};
+use model::Error;
 use model::identify::Structure;
 use model::train::{Alarms, Recipe, ShaftPlan};
 use rig::Condition;
@@ -34,9 +35,6 @@ const SLIP: f64 = 0.022;
 
 /// Set false-alarm rate of the gate.
 pub const FALSE_ALARM: f64 = 0.01;
-
-/// The false-alarm rate of each part of the gate: the distance of the first two features, and each of the others.
-pub const SHARE: f64 = FALSE_ALARM / (GATE_FEATURES.len() - 1) as f64;
 
 /// Structure of the regression if the load is not measured: no terms of u2.
 const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
@@ -93,6 +91,18 @@ fn of_row(row: &Row, features: &[String], usual: &[&str]) -> Recipe {
         return recipe;
     }
     Recipe { covariates: vec![TEMPERATURE.into()], ..recipe }.with_averaged_columns()
+}
+
+/// Returns the recipe of a user who names his signals, the bearing and the false-alarm rate, and nothing else.
+///
+/// # Errors
+/// Settings that do not go together.
+pub fn by_default(row: &Row, classes: &[String]) -> Result<Recipe, Error> {
+    let mut settings = by_default::settings(has_load_sensor(&row.trained), FALSE_ALARM);
+    if row.known {
+        settings.model.covariates = vec![TEMPERATURE.into()];
+    }
+    by_default::recipe(&settings, classes)
 }
 
 /// Returns whether the drives of a condition measure the load.

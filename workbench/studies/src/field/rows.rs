@@ -2,8 +2,7 @@
 
 use crate::campaign::{Cell, Purpose};
 use model::Error;
-use rig::field::FieldValues;
-use rig::{Condition, Defect, DefectKind, Scenario};
+use rig::{Condition, Defect, DefectKind};
 
 /// Validation records of the gate: healthy ones, and the defects of the columns.
 pub const COLUMNS: [Defect; 8] = [
@@ -66,14 +65,6 @@ impl Row {
     #[must_use]
     pub const fn validation(&self, draw: u32, defect: Defect) -> Cell {
         Cell { purpose: Purpose::Validation, repetition: draw, condition: self.judged, defect }
-    }
-
-    /// The healthy drive of the validation set with this seed.
-    #[must_use]
-    pub fn drive(&self, seed: u64) -> (Scenario, FieldValues) {
-        let scenario = self.judged.apply(Scenario::WITH_RESOLVER, seed);
-        let values = FieldValues::draw(&scenario, seed);
-        (scenario, values)
     }
 
     /// The defects of the validation set: those of the columns, and those on which the discriminant is judged.

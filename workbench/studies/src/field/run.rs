@@ -1,7 +1,6 @@
 //! Trains and judges one draw of one row with the embedded detector.
 
-use super::default;
-use super::recipe::{of_classes, of_gate};
+use super::recipe::{by_default, of_classes, of_gate};
 use super::rows::{CLASS_SIZES, CLASSES, COLUMNS, Row};
 use super::settings::Settings;
 use super::tally::Tally;
@@ -75,7 +74,7 @@ fn detectors(row: &Row, draw: u32, settings: &Settings) -> Result<(Trained, Opti
         trained.and_then(|trained| trained.embed()).map_err(|error| error.to_string())
     };
     let recipe = |classes: &[Defect], own: Recipe| {
-        if settings.default { default::recipe(row, &class_names(classes)) } else { Ok(own) }
+        if settings.default { by_default(row, &class_names(classes)) } else { Ok(own) }
     };
     let gate = recipe(&[Defect::HEALTHY], of_gate(row, &settings.features))?;
     let gate = trained(&healthy, &[Defect::HEALTHY], gate);

@@ -1,8 +1,8 @@
 //! Traces of a draw with all their signals, and the selection of traces for a table.
 
 use super::published::{TRACES_CHAPTER_3, TRACES_CHAPTER_4};
+use crate::campaign::run::motion;
 use crate::demo::{FirstInput, class_names};
-use crate::signals::motion;
 use model::trace::Trace;
 use model::trace::labels::LabelledTrace;
 use rig::RigTrace;

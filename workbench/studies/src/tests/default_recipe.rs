@@ -1,7 +1,7 @@
 //! What a user gets who names his signals, the bearing and the rate.
 
 use crate::campaign::run::{class_names, traces};
-use crate::field::default;
+use crate::field::recipe::by_default;
 use crate::field::rows::named;
 use model::core::{Embedded, Finding};
 use model::trace::labels::LabelledTrace;
@@ -12,7 +12,7 @@ use rig::{Defect, DefectKind};
 fn the_signals_decide_what_is_watched() {
     for (name, load) in [("temperature", true), ("no-load-sensor", false)] {
         let row = named(&[name.into()]).expect("a row")[0];
-        let recipe = default::recipe(&row, &["healthy".into()]).expect("settings that go together");
+        let recipe = by_default(&row, &["healthy".into()]).expect("settings that go together");
         assert!(recipe.automatic && recipe.features.is_empty() && recipe.alarms.required);
         assert_eq!((recipe.structure.nc > 0, recipe.alarms.false_alarm), (load, 0.01));
         let plan = recipe.shaft.expect("an angle");
@@ -27,7 +27,7 @@ fn the_chosen_features_find_small_defects_at_any_temperature() {
     let of = |cell, count| traces(&[(cell, 0)], count).expect("simulated");
     let healthy = of(row.training(40, Defect::HEALTHY), 80);
     let classes = class_names(&[Defect::HEALTHY]);
-    let recipe = default::recipe(&row, &classes).expect("settings that go together");
+    let recipe = by_default(&row, &classes).expect("settings that go together");
     let trained = train(&healthy, &classes, &recipe).expect("enough healthy traces");
     let why = trained.automatic.as_ref().expect("the features are chosen");
     // The order of the outer race and some friction, whichever set of them is best.

@@ -23,8 +23,6 @@ mod records;
 mod render;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod twin;
 mod watch;
 
 use nalgebra::{DMatrix, DVector};
@@ -38,7 +36,6 @@ pub use render::{text, to_json};
 use watch::{Core, Watch};
 
 use super::recipe::recipe;
-use super::sessions::Fleet;
 use crate::campaign::{Cell, Purpose};
 use bearing_watch::Decision;
 use bearing_watch::model::FeatureValue;
@@ -60,6 +57,15 @@ pub const KNOWN: usize = 14;
 /// the residual's band, and sums of the features that the core watches.
 pub const WATCHES: [&str; 5] =
     ["first day", "14 runs of its own", "threshold", "CUSUM of the band", "CUSUM of features"];
+
+/// Size of a fleet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fleet {
+    /// Number of drives.
+    pub units: u32,
+    /// Number of runs of each drive.
+    pub sessions: u32,
+}
 
 /// Size of the study.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::campaign::run::labelled;
-use crate::campaign::{Cell, Recording};
-use crate::field::sessions::set_of;
+use crate::campaign::{Cell, Purpose, Recording};
 use model::Error;
 use model::trace::labels::LabelledTrace;
 use rig::field::{Drive, Field, Temperature};
@@ -22,6 +21,11 @@ const SESSIONS: u32 = 1000;
 
 /// Unit, session and record in it.
 pub(in crate::field) type Place = [u32; 3];
+
+/// Number of the set of drives: another one for training and validation of each draw.
+fn set_of(purpose: Purpose, draw: u32) -> u32 {
+    2 * draw + u32::from(purpose == Purpose::Training)
+}
 
 /// The record at a place; all records of a cell have seeds of their own.
 pub(in crate::field) fn record(cell: Cell, place: Place) -> Result<LabelledTrace, Error> {

@@ -1,11 +1,5 @@
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
-
 use super::render::{delay, hours};
-use super::twin::{Record, Twin};
 use super::*;
-use model::train::directions::{Direction, Levels};
 
 fn outcome(run: u32) -> Outcome {
     Outcome { run: (run > 0).then_some(run), direction: (run > 0).then_some(run as usize % 2) }
@@ -62,60 +56,4 @@ fn a_small_fleet_finds_what_is_large_and_keeps_its_hours() {
     // Set to 1000 h: of two drives, one with twelve runs may lie below, both far below may not.
     let hours: Vec<f64> = draws.drives.iter().map(|drive| drive.judged[1].healthy.mean()).collect();
     assert!(hours.iter().any(|hours| *hours > 500.0), "{hours:?}");
-}
-
-/// Values of some records of a run that is risen by so many deviations; some are missing, some are unsure.
-fn records(random: &mut ChaCha8Rng, list: &[Direction], rise: f64) -> Vec<Record> {
-    let offset: f64 = random.sample(StandardNormal);
-    let mut value = |direction: &Direction| {
-        let Levels { centre, run, record, .. } = direction.levels;
-        let noise: f64 = random.sample(StandardNormal);
-        let value = centre + (offset + rise) * run.sqrt() + noise * record.sqrt();
-        (noise < 2.0).then_some([value, 0.3 * record * noise.abs()])
-    };
-    (0..3).map(|_| list.iter().map(&mut value).collect()).collect()
-}
-
-/// The same record as the core's decision.
-fn decided(decision: &Decision<RunTime>, list: &[Direction], record: &Record) -> Decision<RunTime> {
-    let value = |(value, direction): (&Option<[f64; 2]>, &Direction)| {
-        value.map_or(FeatureValue::MISSING, |[value, variance]| FeatureValue {
-            value: (value - direction.levels.centre) as f32,
-            variance: variance as f32,
-        })
-    };
-    let mut decision = decision.clone();
-    // The directions alone are compared.
-    decision.fall = Default::default();
-    decision.set_directed(&record.iter().zip(list).map(value).collect::<Vec<_>>());
-    decision
-}
-
-#[test]
-fn the_core_alarms_as_its_twin() {
-    let settings = Settings { training: Fleet { units: 18, sessions: 3 }, records: 3, ..Settings::STANDARD };
-    let bench = Bench::new(conditions()[0], 0, &settings).expect("trains");
-    let healthy =
-        Cell { purpose: Purpose::Validation, repetition: 0, condition: conditions()[0], defect: Defect::HEALTHY };
-    let runs = bench.runs(healthy, 0, 0..1).expect("simulates");
-    let some = runs[0][0].decision.clone().expect("a decision");
-    let list = &bench.trained.watch.directions.as_ref().expect("directions").list;
-    let (mut random, mut alarms, mut different) = (ChaCha8Rng::seed_from_u64(3), 0, 0);
-    for history in 0..200 {
-        let mut core = Core::new(&bench.model);
-        let mut twin = Twin::new(&bench.trained.watch).expect("directions");
-        for run in 0..30 {
-            let rise = if run < 10 { 0.0 } else { f64::from(history % 5) };
-            let records = records(&mut random, list, rise);
-            let taken: Vec<_> = records.iter().map(|record| Some(decided(&some, list, record))).collect();
-            let (by_core, by_twin) = (core.run(&taken), twin.run(&records));
-            different += usize::from(by_core != by_twin);
-            alarms += usize::from(by_core.is_some());
-            if by_core.is_some() || by_twin.is_some() {
-                break;
-            }
-        }
-    }
-    // Single precision decides otherwise only where a score meets the limit to six digits.
-    assert!(alarms > 80 && alarms < 200 && different <= 1, "{alarms} {different}");
 }

@@ -20,14 +20,12 @@ mod drive;
 mod history;
 mod laws;
 mod render;
-mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use history::{Asked, Healthy, Outcome};
+pub use history::{Asked, Healthy, Outcome, PARTS, Settings};
 pub use laws::Law;
 pub use render::{text, to_json};
-pub use settings::{PARTS, Settings};
 
 use drive::Drive;
 use history::{grown, healthy};

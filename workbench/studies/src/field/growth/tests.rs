@@ -1,9 +1,9 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::delay::Fleet;
 use super::render::{growing, told};
 use super::*;
-use crate::field::sessions::Fleet;
 use model::evaluate::Rate;
 
 #[test]

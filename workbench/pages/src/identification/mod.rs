@@ -1,0 +1,5 @@
+//! Pages of models of single traces.
+
+pub mod cogging;
+pub mod structure;
+pub mod validation;
