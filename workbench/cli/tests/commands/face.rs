@@ -79,7 +79,7 @@ fn the_short_help_fits_a_screen() {
         let heads = |help: &str| help.lines().any(|line| line.starts_with(heading) && line.ends_with(':'));
         assert!(heads(&short) && heads(&long), "{heading}\n{short}");
     }
-    for (option, is_short) in [("--false-alarm", true), ("--bearing", true), ("--huber", false), ("--folds", false)] {
+    for (option, is_short) in [("--false-alarm", true), ("--bearing", true), ("--handover", false), ("--folds", false)] {
         assert_eq!((short.contains(option), long.contains(option)), (is_short, true), "{option}\n{short}");
     }
     assert!(long.contains("Validation ([validation] of drive.toml):"), "{long}");
@@ -119,7 +119,7 @@ fn completions_and_manual_pages() {
         let text = page(&format!("bearing-watch-{}.1", command.replace(' ', "-")));
         assert!(text.contains(".SH SYNOPSIS"), "{command}");
     }
-    assert!(page("bearing-watch-train.1").contains("huber"), "all options");
+    assert!(page("bearing-watch-train.1").contains("handover"), "all options");
     assert!(page("bearing-watch.1").contains("bearing\\-watch\\-train"));
 }
 

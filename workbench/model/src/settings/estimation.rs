@@ -66,7 +66,6 @@ impl Model {
             method: method.core(),
             nominal,
             segment: self.segment,
-            huber: self.huber.unwrap_or(0.0),
             saturation,
             stuck: self.stuck.unwrap_or(0),
             memory: self.memory,

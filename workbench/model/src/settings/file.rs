@@ -162,8 +162,8 @@ mod tests {
         assert!(problem("[data]\nlabels = 1979-05-27\n").contains("line 2: labels takes a text, a number or a list"));
         assert!(problem("[data]\nlabels = \n").starts_with("d.toml, line 2: "));
         assert_eq!(problem("[model]\noffset = 3\n"), "d.toml, line 2: offset is true or false");
-        let found = problem("[model]\n\nhuber = \"x\"\n");
-        assert_eq!(found, "d.toml, line 3: invalid value 'x' for huber: invalid float literal");
+        let found = problem("[model]\n\nmemory = \"x\"\n");
+        assert_eq!(found, "d.toml, line 3: invalid value 'x' for memory: invalid float literal");
         assert!(problem("[model]\nshrinkage = [0, 1]\ndiscriminant = \"linear\"\n").contains("cannot be used with"));
     }
 }

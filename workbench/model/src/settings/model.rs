@@ -51,10 +51,6 @@ pub struct Model {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "N", "default" = 0)))]
     pub handover: Option<u16>,
-    /// Residuals beyond K standard deviations get less weight; 0 for none
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "K", "default" = 0)))]
-    pub huber: Option<f64>,
     /// Magnitudes at which the sensors of y, u1, u2 are saturated: samples at or above them are not used
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "Y,U1,U2")))]
@@ -133,7 +129,6 @@ merges!(Model {
     decimate,
     memory,
     handover,
-    huber,
     saturation,
     stuck,
     velocity_from,

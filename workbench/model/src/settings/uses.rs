@@ -49,7 +49,7 @@ const SHAFT: &[&str] = &[
 /// A bearing, and what loads it.
 const LIFE: &[&str] =
     &["bearing", "load_rating_n", "rollers", "bearing_load_n", "bearing_load_per_nm", "torque_constant_nm_a"];
-const ESTIMATION: &[&str] = &["method", "nominal", "segment", "memory", "handover", "huber", "saturation", "stuck"];
+const ESTIMATION: &[&str] = &["method", "nominal", "segment", "memory", "handover", "saturation", "stuck"];
 const CLASSIFIER: &[&str] = &[
     "features",
     "rising",

@@ -41,8 +41,6 @@ pub struct Estimation {
     pub nominal: usize,
     /// Samples per segment; if not given those of the longest trace, or of equal parts of it if it is long.
     pub segment: Option<usize>,
-    /// Number of standard deviations beyond which a residual gets less weight; 0 for never.
-    pub huber: f64,
     /// Magnitudes of y, u1, u2 at which a sensor is saturated.
     pub saturation: Option<[f64; 3]>,
     /// Number of equal samples of y that indicates a stuck sensor; 0 for no limit.
@@ -59,7 +57,6 @@ impl Default for Estimation {
             method: Method::LeastSquares,
             nominal: 0,
             segment: None,
-            huber: 0.0,
             saturation: None,
             stuck: 0,
             memory: None,
@@ -70,10 +67,10 @@ impl Default for Estimation {
 
 impl Estimation {
     /// Returns whether batch least squares on each segment computes the same estimate as the core: it has no
-    /// instruments, no memory beyond the segment, no weights and no tests of the sensors.
+    /// instruments, no memory beyond the segment and no tests of the sensors.
     pub(crate) fn is_batch(&self) -> bool {
-        let Self { method, huber, saturation, stuck, memory, .. } = self;
-        *method == Method::LeastSquares && *huber <= 0.0 && saturation.is_none() && *stuck == 0 && memory.is_none()
+        let Self { method, saturation, stuck, memory, .. } = self;
+        *method == Method::LeastSquares && saturation.is_none() && *stuck == 0 && memory.is_none()
     }
 }
 
@@ -112,7 +109,7 @@ pub(super) fn regression(
         nominal: delta,
         deviation: nominal.deviation as f32,
         forgetting: Forgetting { lambda: lambda as f32, floor: (0.01 / (1.0 - lambda)) as f32 }, // (3)
-        huber: estimation.huber as f32,
+        huber: 0.0,
         rest: (1e-3 * mean_motion(&in_rows, structure, &scales)) as f32, // (4)
         settle,
         handover: estimation.handover,
@@ -122,15 +119,12 @@ pub(super) fn regression(
 
 fn check(estimation: &Estimation, structure: Structure, segment: usize) -> Result<(), Error> {
     let refuse = |problem: String| Err(Error::Usage(problem));
-    let Estimation { method, huber, stuck, memory, handover, .. } = estimation;
+    let Estimation { method, stuck, memory, handover, .. } = estimation;
     let na = structure.na as usize;
     if *method == Method::Instruments && !(1..=MAX_OUTPUT_TERMS).contains(&na) {
         return refuse(format!(
             "--method instruments wants 1 to {MAX_OUTPUT_TERMS} output terms, but --order has {na}"
         ));
-    }
-    if !(huber.is_finite() && *huber >= 0.0) {
-        return refuse(format!("--huber {huber}: a number of standard deviations, or 0 for none"));
     }
     if *stuck == 1 {
         return refuse("--stuck 1: one sample is no run; give at least 2, or 0 for none".into());
