@@ -67,11 +67,8 @@ impl Recursive {
         if how.every < 2 {
             return Err(Error::Usage("every is at least 2 samples".into()));
         }
-        let estimation = Estimation {
-            method: how.method.core(),
-            memory: Some(how.forgetting),
-            ..Estimation::default()
-        };
+        let estimation =
+            Estimation { method: how.method.core(), memory: Some(how.forgetting), ..Estimation::default() };
         let second = if structure.nc > 0 { "u2" } else { "u1" };
         let columns = Channels::new("y", "u1", second);
         let recipe = Recipe { columns, estimation, ..Recipe::new(structure) };

@@ -5,17 +5,15 @@ use super::log::Log;
 use super::selection::Groups;
 use super::training::Training;
 use crate::Error;
-use crate::evaluate::{Confusion, FalseAlarms, Judged, TraceVerdict};
+use crate::evaluate::{Confusion, FalseAlarms, Judged};
 use crate::trace::labels::LabelledTrace;
 use crate::train::{Forward, Ranking, Scores};
 
-/// Traces that were not used in training, with their verdicts.
+/// Verdicts on traces that were not used in training, counted.
 #[derive(Debug)]
 pub struct HeldOut {
     /// Decisions by true class.
     pub confusion: Confusion,
-    /// Verdicts.
-    pub verdicts: Vec<TraceVerdict>,
     /// Scores of the posteriors.
     pub scores: Scores,
     /// False alarms by run, if the runs are known.
@@ -70,5 +68,5 @@ pub(super) fn evaluate((traces, groups): &Held, own: &Training, log: &Log<'_>) -
     let confusion = judged.confusion();
     let by_run = groups.runs.as_ref().zip(model.healthy());
     let false_alarms = by_run.map(|(runs, healthy)| FalseAlarms::of(&verdicts, runs, healthy, false));
-    Ok(HeldOut { confusion, verdicts, scores, false_alarms })
+    Ok(HeldOut { confusion, scores, false_alarms })
 }

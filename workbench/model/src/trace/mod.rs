@@ -3,11 +3,8 @@
 mod column_names;
 pub mod front_end;
 mod gaps;
-pub mod half_band;
 pub mod labels;
-pub mod low_pass;
 mod median;
-mod minimax;
 mod missing;
 mod names;
 pub mod prepare;

@@ -46,7 +46,7 @@ pub use gate::Gate;
 use gate::GateOrReason;
 pub use least_rows::fewest;
 pub(crate) use of_rows::{Rows, required_gate};
-pub use of_rows::{gate_of, gate_of_rising, gate_of_runs, gate_of_table};
+pub use of_rows::{gate_of_rising, gate_of_runs};
 use ratios::TrainingSet;
 
 /// Gate and alarm of a trained model.

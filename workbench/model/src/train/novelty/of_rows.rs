@@ -54,27 +54,11 @@ pub(crate) fn required_gate(rows: Rows<'_>, runs: Option<&[usize]>, alarms: &Ala
     gate(rows, runs, &alarms)?.map_err(Error::Training)
 }
 
-/// Returns the gate of healthy rows alone.
+/// Returns the gate of a table of healthy rows alone, whose values may have errors or be missing; of rows with runs, each
+/// with a number in the order of time, that for the next run.
 ///
 /// # Errors
-/// Too few rows for the rate, or coordinates that are constant or depend on each other.
-pub fn gate_of(healthy: &[DVector<f64>], rate: f64) -> Result<Gate, Error> {
-    gate_of_table(&FeatureTable::exact(healthy.to_vec(), vec![0; healthy.len()], vec!["healthy".into()]), rate)
-}
-
-/// Returns the gate of a table of healthy rows alone, whose values may have errors or be missing.
-///
-/// # Errors
-/// As [`gate_of`].
-pub fn gate_of_table(table: &FeatureTable, rate: f64) -> Result<Gate, Error> {
-    gate_of_runs(table, None, rate)
-}
-
-/// Returns the gate for the next run of a table of healthy rows alone, each of a run with a number in the order of
-/// time.
-///
-/// # Errors
-/// As [`gate_of`], for the number of runs.
+/// Too few rows or runs for the rate, or coordinates that are constant or depend on each other.
 pub fn gate_of_runs(table: &FeatureTable, runs: Option<&[usize]>, rate: f64) -> Result<Gate, Error> {
     gate_of_rising(table, runs, 0, rate)
 }
