@@ -210,7 +210,8 @@ mod tests {
 
     #[test]
     fn novel_is_wrong_but_not_called_healthy() {
-        let mut confusion = Confusion { healthy: Some(0), ..Confusion::new(&["healthy".into(), "spall".into()]) };
+        let mut confusion =
+            Confusion { healthy: Some(0), ..Confusion::of_groups(&["healthy".into(), "spall".into()], 1) };
         for finding in [Finding::Class(1), Finding::Novel, Finding::Ambiguous, Finding::Class(0)] {
             confusion.add_of_group(0, 1, Some(finding));
         }

@@ -5,15 +5,17 @@ use super::log::Log;
 use super::selection::Groups;
 use super::training::Training;
 use crate::Error;
-use crate::evaluate::{Confusion, FalseAlarms, Judged};
+use crate::evaluate::{Confusion, FalseAlarms, Judged, TraceVerdict};
 use crate::trace::labels::LabelledTrace;
 use crate::train::{Forward, Ranking, Scores};
 
-/// Verdicts on traces that were not used in training, counted.
+/// Traces that were not used in training, with their verdicts.
 #[derive(Debug)]
 pub struct HeldOut {
     /// Decisions by true class.
     pub confusion: Confusion,
+    /// Verdicts.
+    pub verdicts: Vec<TraceVerdict>,
     /// Scores of the posteriors.
     pub scores: Scores,
     /// False alarms by run, if the runs are known.
@@ -68,5 +70,5 @@ pub(super) fn evaluate((traces, groups): &Held, own: &Training, log: &Log<'_>) -
     let confusion = judged.confusion();
     let by_run = groups.runs.as_ref().zip(model.healthy());
     let false_alarms = by_run.map(|(runs, healthy)| FalseAlarms::of(&verdicts, runs, healthy, false));
-    Ok(HeldOut { confusion, scores, false_alarms })
+    Ok(HeldOut { confusion, verdicts, scores, false_alarms })
 }
