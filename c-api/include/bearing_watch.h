@@ -1187,7 +1187,7 @@ BwCode bw_advance(struct BwState *state);
 BwCode bw_conclude(struct BwState *state);
 
 // Makes the estimate of the report the auxiliary model of instrumental variables, or of least squares with less weight
-// for outliers (`train --huber`); other models need no call. It must come before `handover` samples (`bw_info`) of the
+// for outliers; other models need no call. It must come before `handover` samples (`bw_info`) of the
 // next segment have been taken, with the interrupt masked. A model whose `handover` is 0 adopts by `bw_step` only.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_NOT_ADOPTED`, or `BW_CODE_NO_REPORT`.

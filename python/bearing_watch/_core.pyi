@@ -136,7 +136,6 @@ class RecursiveEstimator:
         offset: bool,
         method: str,
         forgetting: float,
-        huber: float,
         every: int,
     ) -> RecursiveEstimator: ...
     @property

@@ -58,7 +58,6 @@ class _Recordings(TypedDict, total=False):
     decimate: int
     memory: float
     handover: int
-    huber: float
     saturation: Union[str, Sequence[float], float]
     stuck: int
     velocity_from: Literal["best", "channel", "angle"]

@@ -72,8 +72,6 @@ class RecursiveEstimator:
         Samples from one estimate to the next.
     offset : bool
         Also estimate a constant.
-    huber : float
-        Residuals beyond so many standard deviations get less weight; 0 for none.
 
     Notes
     -----
@@ -105,7 +103,6 @@ class RecursiveEstimator:
         forgetting: float = 0.999,
         every: int = 1000,
         offset: bool = False,
-        huber: float = 0.0,
     ) -> None:
         reference = {"y": vector("y", y), "u1": vector("u1", u1)}
         if u2 is not None:
@@ -116,7 +113,6 @@ class RecursiveEstimator:
             offset=offset,
             method=method,
             forgetting=forgetting,
-            huber=huber,
             every=whole("every", every),
         )
         self.names = self._core.names

@@ -41,8 +41,7 @@ fn start(own: Arc<Recursive>) -> State {
 impl RecursiveEstimator {
     /// With the scales of a reference record: a dictionary with y, u1 and perhaps u2.
     #[new]
-    #[pyo3(signature = (reference, order, *, offset, method, forgetting, huber, every))]
-    #[expect(clippy::too_many_arguments, reason = "named by Python's signature")]
+    #[pyo3(signature = (reference, order, *, offset, method, forgetting, every))]
     fn new(
         py: Python<'_>,
         reference: &Bound<'_, PyAny>,
@@ -50,7 +49,6 @@ impl RecursiveEstimator {
         offset: bool,
         method: &str,
         forgetting: f64,
-        huber: f64,
         every: u32,
     ) -> PyResult<Self> {
         let method = match method {
@@ -60,7 +58,7 @@ impl RecursiveEstimator {
         };
         let structure = order_of(order, offset)?;
         let trace = trace_of("reference", reference, structure)?;
-        let how = How { method, forgetting, huber, every };
+        let how = How { method, forgetting, every };
         let estimator = detached(py, || Recursive::new(trace, structure, how)).map_err(raised)?;
         Ok(Self { state: start(Arc::new(estimator)) })
     }

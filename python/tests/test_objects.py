@@ -116,7 +116,6 @@ def functions(tmp_path_factory):
             forgetting=some(random, 0.99),
             every=some(random, 50),
             offset=some(random, False),
-            huber=some(random, 0.0),
         )
         return made.step(vector(random), vector(random, command))
 

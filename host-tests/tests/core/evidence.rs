@@ -7,9 +7,8 @@ use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::novelty::{core, plan};
+use crate::novelty::{core, gate_of, plan};
 use host_tests::plans::constants;
-use model::train::novelty::gate_of;
 
 const CLASSES: usize = 3;
 
@@ -19,7 +18,7 @@ fn model(evidence: EvidenceConstants) -> Model<RunTime> {
     let mut constants = constants(plan, 100, &[1.0], &[bearing_watch::model::Feature::Parameter(0)], None);
     constants.classifier.discriminant.means = vec![0.0, 2.0, -2.0];
     let healthy: Vec<_> = (0..40).map(|k| nalgebra::DVector::from_element(1, f64::from(k % 7) - 3.0)).collect();
-    constants.classifier.novelty = core(&gate_of(&healthy, 0.01).expect("a gate"));
+    constants.classifier.novelty = core(&gate_of(&healthy, 0.01));
     constants.evidence = evidence;
     Model::new(plan, constants).expect("a good model")
 }

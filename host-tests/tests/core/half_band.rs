@@ -4,7 +4,9 @@
 use std::f64::consts::TAU;
 
 use bearing_watch::drive::{FirDecimator, HalfBandDecimator, HalfBandTaps};
-use model::trace::{half_band, prepare};
+use model::trace::prepare;
+
+use crate::filter_design::half_band;
 
 const RATE_HZ: f64 = 20_000.0;
 
@@ -76,9 +78,9 @@ fn tones_of_the_band_pass_late_and_others_are_eighty_decibels_down() {
 }
 
 #[test]
-fn constants_of_the_core_are_the_design_of_the_workbench() {
+fn constants_of_the_core_are_the_design() {
     let check = |ours: &[f32], pass_band: f64| {
-        for (ours, design) in ours.iter().zip(half_band::design(ours.len(), pass_band)) {
+        for (ours, design) in ours.iter().zip(half_band(ours.len(), pass_band)) {
             assert!((f64::from(*ours) - design).abs() < 1e-7, "{ours} {design}");
         }
     };

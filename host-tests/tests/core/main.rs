@@ -11,6 +11,7 @@ mod estimator_edges;
 mod evidence;
 mod evidence_of_drives;
 mod fault_table;
+mod filter_design;
 mod fixed_plans;
 mod frames;
 mod half_band;

@@ -8,7 +8,7 @@ use host_tests::plans::{constants, layout};
 use model::train::FeatureTable;
 use model::train::novelty::baseline::exact;
 use model::train::novelty::law::DistanceLaw;
-use model::train::novelty::{Gate, gate_of, gate_of_table, spread};
+use model::train::novelty::{Gate, gate_of_runs, spread};
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -28,6 +28,12 @@ fn row(p: usize, degrees: Option<f64>, random: &mut ChaCha8Rng) -> DVector<f64> 
         None => normal,
         Some(v) => normal * (v / ChiSquared::new(v).expect("law").sample(random)).sqrt(),
     }
+}
+
+/// The gate of healthy rows.
+pub(super) fn gate_of(healthy: &[DVector<f64>], rate: f64) -> Gate {
+    let table = FeatureTable::exact(healthy.to_vec(), vec![0; healthy.len()], vec!["healthy".into()]);
+    gate_of_runs(&table, None, rate).expect("a gate")
 }
 
 /// A plan whose only feature is the parameter of a regression.
@@ -74,7 +80,7 @@ fn rates<const Z: usize>(draws: u64, degrees: Option<f64>, healthy: usize) -> Ve
             (0..count).map(|_| &mix * row(Z, degrees, &mut random) + DVector::repeat(Z, 3.0)).collect()
         };
         let healthy = rows(healthy);
-        let gate = core(&gate_of(&healthy, 1e-3).expect("a gate"));
+        let gate = core(&gate_of(&healthy, 1e-3));
         let surprise = |z: DVector<f64>| gate.judge(&z.map(|x| x as f32).as_slice()[..Z], &[]).surprise;
         beyond(rows(TESTS).into_iter().map(surprise))
     };
@@ -109,7 +115,7 @@ fn partial<const Z: usize>(count: usize, random: &mut ChaCha8Rng) -> FeatureTabl
 fn partial_rates<const Z: usize>(draws: u64, healthy: usize) -> Vec<[f64; 2]> {
     let one = |draw: u64| {
         let mut random = ChaCha8Rng::seed_from_u64(70_000 + 1000 * Z as u64 + draw);
-        let gate = core(&gate_of_table(&partial::<Z>(healthy, &mut random), 1e-3).expect("a gate"));
+        let gate = core(&gate_of_runs(&partial::<Z>(healthy, &mut random), None, 1e-3).expect("a gate"));
         let tests = partial::<Z>(TESTS, &mut random);
         let surprise = |(value, variance): (&DVector<f64>, &DVector<f64>)| {
             let [z, v] = [value, variance].map(|of| of.map(|x| x as f32));
@@ -176,7 +182,7 @@ fn surprise_follows_the_law_in_single_precision() {
     let mut random = ChaCha8Rng::seed_from_u64(6);
     for n in [12, 30, 200] {
         let healthy: Vec<_> = (0..n).map(|_| row(3, None, &mut random)).collect();
-        let gate = gate_of(&healthy, 0.01).expect("a gate");
+        let gate = gate_of(&healthy, 0.01);
         let novelty = core(&gate);
         for step in 1..=250 {
             let surprise = 0.1 * f64::from(step);

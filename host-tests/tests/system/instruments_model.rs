@@ -123,7 +123,7 @@ fn wide(trained: &Trained, trace: &Trace) -> Vec<Vec<u32>> {
 #[test]
 fn workbench_and_exported_plan_give_the_same_bits() {
     let training = set(&Scenario::STANDARD, 720, 4);
-    let parts = Estimation { segment: Some(1250), huber: 2.0, handover: 20, ..Estimation::default() };
+    let parts = Estimation { segment: Some(1250), handover: 20, ..Estimation::default() };
     let fading = Estimation { memory: Some(0.999), ..parts.clone() };
     let check = |how: Estimation, exact: fn(&Trained, &Trace) -> Vec<Vec<u32>>| {
         let trained = trained(&training, how);

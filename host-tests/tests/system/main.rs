@@ -16,7 +16,6 @@ mod implausible_signals;
 mod instruments_model;
 mod lab_files;
 mod lasting;
-mod piecewise;
 mod priors_and_costs;
 mod recorded_actuators;
 mod recorded_drives;

@@ -1,13 +1,10 @@
-//! Grey boxes and difference models on recorded drives: a positioning system with published constants (EMPS), and
-//! motors on a dynamometer whose measured current needs the command as an instrument (moteus).
+//! Grey boxes and difference models on a recorded drive: a positioning system with published constants (EMPS).
 
 use std::path::Path;
 
 use host_tests::{columns, data};
-use model::grey_box::external::by_command;
 use model::grey_box::linear::{Friction, LinearRecord, LinearSettings, cross_validate, estimate};
 use model::identify::{Structure, fit_percent, least_squares, simulate};
-use model::trace::prepare::resample;
 use model::trace::{Preparation, Trace};
 
 const INTERVAL_S: f64 = 1e-3;
@@ -101,47 +98,4 @@ fn emps_first_order_model_runs_free() {
     assert!((94.0..95.0).contains(&found.fit_percent));
     assert!((93.0..94.0).contains(&carried_over));
     assert!((mass / 95.55 - 1.0).abs() < 1e-3, "{mass}"); // how velocity is differenced moves it by 0.15 kg
-}
-
-/// Velocity, measured and commanded current at 100 Hz, halved: the first to estimate, the second to score.
-fn dynamometer(folder: &Path, file: &str) -> [Trace; 2] {
-    let recorded = columns(&folder.join(file), 0);
-    let (times, command, current, velocity) = (&recorded[0], &recorded[1], &recorded[2], &recorded[4]);
-    let even = |x: &[f64]| resample(times, x, 100.0).expect("ordered times");
-    let (y, u1, u2) = (even(velocity), even(current), even(command));
-    let half = y.len() / 2;
-    let cut = |range: std::ops::Range<usize>| Trace {
-        id: file.into(),
-        interval_s: Some(0.01),
-        irregular_steps: 0,
-        y: y[range.clone()].to_vec(),
-        u1: u1[range.clone()].to_vec(),
-        u2: u2[range].to_vec(),
-        motion: None,
-        ..Trace::default()
-    };
-    [cut(0..half), cut(half..y.len())]
-}
-
-#[test]
-fn command_as_instrument_beats_least_squares_on_a_dynamometer() {
-    let Some(folder) = data("moteus_dyno") else { return };
-    let structure = Structure::new(1, 2, 0, 1, 1).with_offset();
-    // Figures of an independent prototype, least squares → instruments; the third does not gain.
-    for (file, least, instruments) in [
-        ("ri50_noback__05_05_2021_13-52-50.csv", 69.0, 72.3),
-        ("ex8__06_05_2021_17-22-41.csv", 31.0, 41.7),
-        ("newrotor_1__25_05_2021_12-55-37.csv", 63.4, 61.3),
-    ] {
-        let [first, second] = dynamometer(&folder, file);
-        let fit = |passes: usize| {
-            let theta = by_command(&first, structure, passes).expect("excited").theta;
-            fit_percent(&second.y, &simulate(&second, structure, theta.as_slice()))
-        };
-        let (ls, iv) = (fit(0), fit(3));
-        println!("{file}: least squares {ls:.1} %, instruments {iv:.1} %");
-        // Half a point for the phase of the 100 Hz grid and the start of the second half.
-        assert!((ls - least).abs() < 0.5 && (iv - instruments).abs() < 0.5, "{file}: {ls} {iv}");
-        assert_eq!(iv > ls, instruments > least, "{file}");
-    }
 }

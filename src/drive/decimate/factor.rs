@@ -11,7 +11,7 @@
 use super::{FirDecimator, HalfBandDecimator, HalfBandTaps};
 use crate::printable::Printable;
 
-/// Low-pass by 3 before half-band filters, by `workbench::trace::low_pass::before_half_bands`.
+/// Low-pass by 3 before half-band filters, by `before_half_bands` of `host-tests`.
 const BY_3: [f32; 23] = [
     -0.001_114_763_8,
     -0.001_807_513_8,

@@ -44,7 +44,7 @@ const GENTLE: [f32; 4] = [-0.002_474_437, 0.016_966_78, -0.067_683_52, 0.303_191
 
 impl HalfBandTaps<4, 13> {
     /// Components that alias into 0 … 0.4 of the output rate are attenuated by at least 80 dB; components in this band
-    /// pass within 0.003 dB; gain one for constants. Computed by `workbench::trace::half_band::design`.
+    /// pass within 0.003 dB; gain one for constants. Computed by `half_band` of `host-tests`.
     pub const SHARP: Self = Self {
         early: GENTLE,
         last: [

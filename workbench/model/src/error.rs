@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use bearing_watch::ModelError;
+
 use crate::near;
 use crate::visible::lines;
 
@@ -90,6 +92,11 @@ impl Error {
     pub fn trace(id: &str, problem: impl Into<String>) -> Self {
         Self::Trace { trace: id.into(), problem: problem.into() }
     }
+}
+
+/// The core's refusal of a trained model.
+pub(crate) fn refused(error: ModelError) -> Error {
+    Error::Training(format!("the trained model cannot be embedded: {error}"))
 }
 
 #[cfg(test)]

@@ -14,18 +14,12 @@
 //! leave most strokes without a run. The low-passed copy only determines where to cut. A lower threshold yields longer
 //! but less straight runs: for a pure sine a threshold of 0.8 keeps 41 % of each half period, 0.3 keeps 81 %.
 
-use bearing_watch::plan::Kind;
-use nalgebra::DVector;
-use rayon::prelude::*;
 use realfft::RealFftPlanner;
 
 use crate::Error;
-use crate::evaluate::Confusion;
 use crate::grey_box::filter::LowPass;
 use crate::identify::{Structure, least_squares};
 use crate::trace::Trace;
-use crate::trace::labels::LabelledTrace;
-use crate::train::{FeatureTable, Recipe, discriminant};
 
 /// The structure of the model of a run.
 pub const STRUCTURE: Structure = Structure::new(1, 1, 1, 1, 1);
@@ -141,56 +135,6 @@ fn median(mut x: Vec<f64>) -> f64 {
     x.sort_by(f64::total_cmp);
     let half = x.len() / 2;
     if x.len() % 2 == 1 { x[half] } else { (x[half - 1] + x[half]) / 2.0 }
-}
-
-/// The medians used as features.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PieceFeatures {
-    /// a₁ and b₁, the choice of the source for na = 1.
-    Ab,
-    /// a₁, b₁ and c₁.
-    Abc,
-}
-
-/// Trains a Gaussian discriminant on the medians of one set and counts its decisions on another, in double precision. A
-/// validation trace without runs counts as undetermined; a training trace without runs is omitted.
-///
-/// # Errors
-/// A class with too few usable training traces, or features with a singular covariance.
-pub fn validate(
-    (training, validation): (&[LabelledTrace], &[LabelledTrace]),
-    classes: &[String],
-    cutting: &Cutting,
-    (features, kind): (PieceFeatures, Kind),
-) -> Result<Confusion, Error> {
-    let count = if features == PieceFeatures::Ab { 2 } else { 3 };
-    let row = |t: &LabelledTrace| {
-        let median = estimate(&t.trace, cutting).ok().map(|pieces| pieces.median);
-        (median.map(|median| DVector::from_column_slice(&median[..count])), t.class)
-    };
-    let usable: Vec<_> = training.par_iter().map(row).filter_map(|(row, class)| Some((row?, class))).collect();
-    let (rows, labels): (Vec<_>, Vec<_>) = usable.into_iter().unzip();
-    let table = FeatureTable::exact(rows, labels, classes.to_vec());
-    for (class, name) in classes.iter().enumerate() {
-        let found = table.classes.iter().filter(|label| **label == class).count();
-        if found <= count {
-            return Err(Error::Training(format!(
-                "class {name} has {found} training traces with straight runs; lower the threshold or give more"
-            )));
-        }
-    }
-    let names = ["a1", "b1", "c1"].map(String::from);
-    let recipe = Recipe { discriminant: kind, ..Recipe::new(STRUCTURE) };
-    let densities = discriminant::train(&table, &names[..count], &recipe)?;
-    let mut confusion = Confusion::new(classes);
-    for (row, truth) in validation.par_iter().map(row).collect::<Vec<_>>() {
-        let decided = row.map(|row| {
-            let likelihoods = densities.log_likelihoods(&row);
-            (0..likelihoods.len()).max_by(|&i, &j| likelihoods[i].total_cmp(&likelihoods[j])).unwrap_or(0)
-        });
-        confusion.add(truth, decided);
-    }
-    Ok(confusion)
 }
 
 #[cfg(test)]

@@ -28,8 +28,6 @@ pub struct How {
     pub method: Method,
     /// Forgetting factor of a row.
     pub forgetting: f64,
-    /// Standard deviations beyond which a residual gets less weight; 0 for none.
-    pub huber: f64,
     /// Samples from one estimate to the next; by instruments each is the next auxiliary model.
     pub every: u32,
 }
@@ -69,12 +67,8 @@ impl Recursive {
         if how.every < 2 {
             return Err(Error::Usage("every is at least 2 samples".into()));
         }
-        let estimation = Estimation {
-            method: how.method.core(),
-            memory: Some(how.forgetting),
-            huber: how.huber,
-            ..Estimation::default()
-        };
+        let estimation =
+            Estimation { method: how.method.core(), memory: Some(how.forgetting), ..Estimation::default() };
         let second = if structure.nc > 0 { "u2" } else { "u1" };
         let columns = Channels::new("y", "u1", second);
         let recipe = Recipe { columns, estimation, ..Recipe::new(structure) };
@@ -176,7 +170,7 @@ mod tests {
     #[test]
     fn it_is_least_squares_and_follows_a_change() {
         let (trace, structure) = (signals(4000), Structure::new(1, 1, 0, 1, 1));
-        let how = How { method: Method::Ls, forgetting: 0.99, huber: 0.0, every: 500 };
+        let how = How { method: Method::Ls, forgetting: 0.99, every: 500 };
         let own = Recursive::new(half(&trace), structure, how).expect("constants");
         let mut running = own.start();
         let found = running.take([&trace.y, &trace.u1, &trace.u2]);

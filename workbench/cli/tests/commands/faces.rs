@@ -166,7 +166,7 @@ fn drive_files_fit_the_schema() {
     let dir = folder.path();
     succeed(dir, "simulate --class healthy,spall --count 3 --seed 4 --out runs");
     succeed(dir, "init runs --out written.toml");
-    let saved = "--y y --u1 u --order 1,1,0,1,1 --bearing 9,3,17,0.17 --priors a=0.5,b=0.5 --other-drive --huber 3";
+    let saved = "--y y --u1 u --order 1,1,0,1,1 --bearing 9,3,17,0.17 --priors a=0.5,b=0.5 --other-drive --memory 0.99";
     run(dir, &format!("train --labels absent.csv {saved} --model m.bwm --save saved.toml"));
     let schema = schema::of_drive_file();
     for name in ["written.toml", "saved.toml"] {

@@ -24,7 +24,7 @@ fn methods_memories_and_guards() {
         ("--method instruments --nominal roughness --segment 2500", vec!["segment_samples: 2500"]),
         ("--memory 0.9995", vec!["memory: Memory::Fading", "lambda: 0.9995, floor: 20.0"]),
         ("--memory 0.9999 --method instruments", vec!["Memory::Fading", "lambda: 0.9999, floor: 100.0"]),
-        ("--huber 2 --handover 50", vec!["huber: 2.0", "handover: 50"]),
+        ("--handover 50", vec!["handover: 50"]),
     ] {
         succeed(dir, &format!("{train} {options}"));
         let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
@@ -90,8 +90,6 @@ fn bad_options_are_one_line() {
     for (options, words) in [
         ("--method iv", ["--method", "instruments"]),
         ("--nominal worse", ["unknown class worse", "there are healthy"]),
-        ("--huber=-1", ["--huber -1", "0 for none"]),
-        ("--huber nan", ["--huber NaN", "0 for none"]),
         ("--saturation 1,2", ["--saturation", "three magnitudes"]),
         ("--saturation 1,0,2", ["--saturation", "U1 is 0"]),
         ("--stuck 1", ["--stuck 1", "at least 2"]),

@@ -2,17 +2,14 @@
 //! smallest line of an order that would stand out.
 
 pub mod angle;
-pub mod bits;
-mod clipped;
-mod codes;
-pub mod column;
+mod columns;
 pub mod friction;
-pub mod held;
 pub mod orders;
 pub mod pairs;
 mod phases;
 pub mod scale;
 pub mod sessions;
-pub mod step;
 pub mod sums;
 pub mod times;
+
+pub use columns::{bits, column, held, step};

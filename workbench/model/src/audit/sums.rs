@@ -1,6 +1,7 @@
 //! Three phase currents, whose sum is zero without an earth fault: offsets, gains, levels and half waves.
 
-use super::{clipped, phases};
+use super::columns::clipped;
+use super::phases;
 use crate::statistics::mean_sd;
 
 /// Letters of the phases, and the numbers, which also count axes.

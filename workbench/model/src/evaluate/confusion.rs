@@ -63,12 +63,6 @@ impl Confusion {
         Rate::clustered(&self.by_group.iter().map(|counts| of(counts)).collect::<Vec<_>>())
     }
 
-    /// Counts one finding; `None` counts as undetermined.
-    pub fn add_finding(&mut self, truth: usize, finding: Option<Finding>) {
-        let column = self.column(finding);
-        self.counts[truth][column] += 1;
-    }
-
     /// Counts one decision.
     pub fn add(&mut self, truth: usize, decided: Option<usize>) {
         let undetermined = self.classes.len();
@@ -216,11 +210,12 @@ mod tests {
 
     #[test]
     fn novel_is_wrong_but_not_called_healthy() {
-        let mut confusion = Confusion { healthy: Some(0), ..Confusion::new(&["healthy".into(), "spall".into()]) };
+        let mut confusion =
+            Confusion { healthy: Some(0), ..Confusion::of_groups(&["healthy".into(), "spall".into()], 1) };
         for finding in [Finding::Class(1), Finding::Novel, Finding::Ambiguous, Finding::Class(0)] {
-            confusion.add_finding(1, Some(finding));
+            confusion.add_of_group(0, 1, Some(finding));
         }
-        confusion.add_finding(0, Some(Finding::Novel));
+        confusion.add_of_group(0, 0, Some(Finding::Novel));
         let json = confusion.to_json();
         assert_eq!((&json["novel"], &json["ambiguous"]), (&json!([1, 1]), &json!([0, 1])));
         assert_eq!((confusion.wrong(), json["called_healthy"][1]["value"].as_f64()), (4, Some(0.25)));

@@ -4,7 +4,6 @@
 //! torque constant of a motor from the torque balance. [`physical`]: R, L, Ke, J, B from the five-parameter difference
 //! model of the current (thesis Eq. 2.41).
 
-pub mod external;
 pub mod filter;
 pub mod linear;
 pub mod motor;

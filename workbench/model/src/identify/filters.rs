@@ -76,8 +76,8 @@ pub(crate) fn all_pole(a: &[f64], x: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::kernel::filter::fir;
     use super::*;
+    use crate::identify::kernel::filter::fir;
 
     fn trace() -> Trace {
         let wave = |f: f64| (0..40).map(|t| (f * t as f64).sin() + 0.3 * (2.7 * f * t as f64).cos()).collect();

@@ -10,7 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::kernel::triangle::DEPENDENT;
-use super::ls;
+use super::methods::ls;
 use super::result::negligible;
 
 const STEPS: usize = 100;

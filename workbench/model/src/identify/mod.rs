@@ -5,46 +5,34 @@
 //! squares leave out the rows that it is in, and the other methods, which filter or simulate the signals, refuse the
 //! trace.
 
-mod armax;
-mod autoregression;
-mod external;
 mod factor;
 pub(crate) mod filters;
 mod gauss_newton;
-mod held;
-mod incomplete;
-mod instruments;
-mod iv;
-pub(crate) mod iv4;
 pub(crate) mod kernel;
-mod ls;
-mod output_error;
+pub(crate) mod methods;
 mod poles;
 mod refused;
 mod regression;
 mod result;
-mod robust;
 mod simulate;
-mod sriv;
-mod steiglitz_mcbride;
 mod terms;
 
 use crate::Error;
 use crate::trace::Trace;
 pub use bearing_watch::plan::Structure;
 
-pub use armax::armax;
-pub use external::external_instruments;
-pub use iv::instrumental_variables;
-pub use iv4::iv4;
-pub use ls::least_squares;
-pub use output_error::output_error;
+pub use methods::armax::armax;
+pub use methods::external::external_instruments;
+pub use methods::iv::instrumental_variables;
+pub use methods::iv4::iv4;
+pub use methods::ls::least_squares;
+pub use methods::output_error::output_error;
+pub use methods::robust::robust;
+pub use methods::sriv::sriv;
+pub use methods::steiglitz_mcbride::steiglitz_mcbride;
 pub use poles::{poles, reflect_unstable};
 pub use result::{Convergence, Estimate, Noise};
-pub use robust::robust;
 pub use simulate::{fit_percent, simulate};
-pub use sriv::sriv;
-pub use steiglitz_mcbride::steiglitz_mcbride;
 pub use terms::{Terms, parse_order};
 
 /// How parameters are estimated. What the noise is taken to be decides whether a method is consistent.

@@ -1,10 +1,11 @@
-//! Traces from which no parameters follow: too short, constant, or not excited.
+//! Traces from which no parameters follow: too short, constant, not excited, or with missing samples; and the last
+//! sample in place of missing ones.
 
 use bearing_watch::plan::Structure;
 
 use super::terms::Terms;
 use crate::Error;
-use crate::trace::Trace;
+use crate::trace::{Trace, bridged};
 
 /// Returns the first row t₀ of a record without missing samples.
 pub(super) fn complete_row(structure: Structure, trace: &Trace) -> Result<usize, Error> {
@@ -53,4 +54,15 @@ pub(super) fn unexcited(structure: Structure, trace: &Trace, column: usize, part
         "the signals do not excite parameter {column} ({reason}); use a richer command or a lower order{offset}"
     );
     Error::trace(&trace.id, problem)
+}
+
+/// Whether no sample of y, u1 and u2 is missing.
+pub(crate) fn is_complete(trace: &Trace) -> bool {
+    [&trace.y, &trace.u1, &trace.u2].into_iter().flatten().fold(true, |all, x| all & x.is_finite())
+}
+
+/// The trace with the last sample in place of missing ones.
+pub(crate) fn held(trace: &Trace) -> Trace {
+    let [y, u1, u2] = [&trace.y, &trace.u1, &trace.u2].map(|signal| bridged(signal));
+    Trace { id: trace.id.clone(), interval_s: trace.interval_s, y, u1, u2, ..Trace::default() }
 }

@@ -2,7 +2,7 @@
 
 use super::kernel::free_run::FreeRun;
 use super::kernel::sums::{distance, spread};
-use super::{Structure, held};
+use super::{Structure, refused};
 use crate::trace::Trace;
 
 /// Output of the model from the inputs alone; unstable poles are reflected into the unit circle. Starts from zero. If a
@@ -11,8 +11,8 @@ use crate::trace::Trace;
 #[must_use]
 pub fn simulate(trace: &Trace, structure: Structure, theta: &[f64]) -> Vec<f64> {
     let mut output = Vec::new();
-    if !held::is_complete(trace) {
-        return simulate(&held::held(trace), structure, theta);
+    if !refused::is_complete(trace) {
+        return simulate(&refused::held(trace), structure, theta);
     }
     FreeRun::new(structure, theta).simulate(trace, &mut output);
     output

@@ -7,42 +7,24 @@
 //! Log ──────┘                    └─ bytes of a model ─► ModelFile ─► Evaluation
 //! ```
 
-mod chosen;
-mod contents;
-pub mod description;
 mod doubts;
 mod evaluation;
-mod evidence;
-mod found;
-mod given;
-mod held_out;
 mod judging;
 mod log;
 mod model_file;
-mod notes;
-mod precision;
-mod saved;
+pub(crate) mod notes;
 mod selection;
-mod sources;
-mod temperatures;
+mod source;
 mod training;
-mod training_session;
-mod training_traces;
-mod words;
 
 pub use doubts::{
     codes, contradictory, irregular, is_irregular, of_irregular, refuse_gaps, refuse_held, refuse_scale, refused,
 };
-pub use evaluation::{Evaluation, Judging, JudgingOptions};
-pub use found::Findings;
-pub use given::{Given, Piece, TemperatureColumn, TraceSource};
-pub use held_out::{Found, HeldOut};
+pub use evaluation::{Evaluation, Findings, Judging, JudgingOptions};
 pub use judging::{check_rate, judge, prepare};
 pub use log::{Log, Progress, Quiet, Steps};
 pub use model_file::ModelFile;
 pub use notes::Notes;
 pub use selection::{Chosen, Groups, Selection};
-pub use sources::{read_by, rust_source};
-pub use training::Training;
-pub use training_session::Session;
-pub use words::{lines, to_json};
+pub use source::{Given, Piece, TemperatureColumn, TraceSource};
+pub use training::{Found, HeldOut, Session, Training, description, lines, read_by, rust_source, to_json};

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::given::TraceSource;
 use super::judging::check_rate;
 use super::notes::Notes;
+use super::source::TraceSource;
 use crate::Error;
 use crate::core::{Embedded, SegmentReport};
 use crate::trace::{Channels, Preparation, Trace};

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use super::given::{Given, TemperatureColumn, TraceSource};
+use super::source::{Given, TemperatureColumn, TraceSource};
 use crate::Error;
 use crate::settings::{Settings, Validation};
 use crate::trace::labels::LabelledTrace;

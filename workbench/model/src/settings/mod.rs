@@ -11,51 +11,17 @@
 //!
 //! The text of a field is its help on the command line and its description in the schema of a drive file.
 
-mod alarm;
-mod bearing;
-mod choices;
-mod classifier;
-mod columns;
-mod data;
-mod defaults;
-mod estimation;
-mod face;
-mod fields;
-mod file;
-mod geometry;
-mod lenient;
-mod life;
-mod merge;
-mod model;
-mod odds;
-mod order;
-mod problem;
-mod reading;
-mod recipe;
-mod saved;
-#[cfg(feature = "schema")]
-pub mod schema;
-mod shaft;
-mod signals;
+pub(crate) mod conversions;
+pub(crate) mod faces;
+pub(crate) mod sections;
 mod uses;
-mod validation;
-mod whole;
 
-pub use alarm::{Alarm, HEALTHY_NAMES, healthy_class};
-pub use bearing::Bearing;
-pub use choices::{Discriminant, Method, Novelty, Park, Projection, VelocityFrom};
-pub use data::Data;
-pub use fields::{Section, keys, sections};
-pub use file::DriveFile;
-pub use geometry::{Dimensions, Geometry};
-pub use lenient::from_value;
-pub use life::WantedLife;
-pub use model::Model;
-pub use order::Order;
-pub use problem::{Problem, Refused};
-pub use reading::Reading;
-pub use saved::{from_here, literal};
-pub use signals::Signals;
+pub use conversions::{Reading, WantedLife};
+#[cfg(feature = "schema")]
+pub use faces::schema;
+pub use faces::{DriveFile, Problem, Refused, Section, from_here, from_value, keys, literal, sections};
+pub use sections::{
+    Alarm, Bearing, Data, Dimensions, Discriminant, Geometry, HEALTHY_NAMES, Method, Model, Novelty, Order, Park,
+    Projection, Settings, Signals, Validation, VelocityFrom, healthy_class,
+};
 pub use uses::{CHANNELS, Further, PREPARATION, TIMES, Use};
-pub use validation::Validation;
-pub use whole::Settings;

@@ -3,10 +3,9 @@
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::fields::fields;
-use super::lenient::from_value;
-use super::problem::Problem;
-use super::whole::Settings;
+use super::faces::fields::fields;
+use super::faces::written_values::{Problem, from_value};
+use super::sections::settings::Settings;
 use crate::Error;
 use crate::near::did_you_mean;
 
@@ -49,7 +48,7 @@ const SHAFT: &[&str] = &[
 /// A bearing, and what loads it.
 const LIFE: &[&str] =
     &["bearing", "load_rating_n", "rollers", "bearing_load_n", "bearing_load_per_nm", "torque_constant_nm_a"];
-const ESTIMATION: &[&str] = &["method", "nominal", "segment", "memory", "handover", "huber", "saturation", "stuck"];
+const ESTIMATION: &[&str] = &["method", "nominal", "segment", "memory", "handover", "saturation", "stuck"];
 const CLASSIFIER: &[&str] = &[
     "features",
     "rising",
@@ -206,7 +205,7 @@ impl Further {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::fields::{keys, section_of};
+    use crate::settings::faces::fields::{keys, section_of};
 
     #[test]
     fn a_job_takes_known_keys_and_each_key_is_taken() {

@@ -20,9 +20,9 @@ mod shared;
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::identify::iv4::{self, four_stage};
 use crate::identify::kernel::free_run::FreeRun;
 use crate::identify::kernel::sums::{distance, dot, spread};
+use crate::identify::methods::iv4::{self, four_stage};
 use crate::identify::{Structure, Terms};
 use crate::trace::Trace;
 use shared::{Shared, Solution};

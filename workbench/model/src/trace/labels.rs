@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use super::{Recorded, Trace, TraceNames, composed, trace_name};
 use crate::Error;
 use crate::near::{among, did_you_mean};
-use crate::trace::{Recorded, Trace, TraceNames, composed, trace_name};
 
 /// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
 ///

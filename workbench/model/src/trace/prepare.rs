@@ -1,8 +1,8 @@
 //! From the recorded rate to the rate of identification: block means, then decimation; also resampling from irregular
 //! to regular times.
 
+use super::Trace;
 use crate::Error;
-use crate::trace::Trace;
 
 /// Processing of a trace before identification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use bearing_watch::drive::Alignment;
 use serde::de::{Deserialize as _, Deserializer, Error as _};
 use serde_json::Value;
 
-use crate::trace::front_end::{FrontEndFile, Refused};
-use crate::trace::{Missing, TextForm};
+use super::front_end::{FrontEndFile, Refused};
+use super::{Missing, TextForm};
 
 /// Signals of the shaft; each column is as long as the trace.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,15 +4,16 @@ use bearing_watch::model::Covariates;
 use bearing_watch::plan::MAX_COVARIATES;
 use nalgebra::DVector;
 
-use super::compose::compose;
-use super::contamination::{self, Doubted, Populations};
-use super::dependence::{self, Dependence};
-use super::directions;
-use super::estimating::{Estimating, estimating};
-use super::left_out::{Estimated, LeftOut};
+use super::classifier::fit;
+use super::estimator::estimating::{Estimating, estimating};
+use super::estimator::{spans, with_segment};
+use super::model::core_form::compose;
 use super::novelty::{self, Rows};
-use super::pieces::spans;
-use super::{Candidates, Explained, Recipe, Shrink, Sight, Trained, core_features, fit, segment};
+use super::rows::contamination::{self, Doubted, Populations};
+use super::rows::core_features;
+use super::rows::dependence::{self, Dependence};
+use super::rows::left_out::{Estimated, LeftOut};
+use super::{Candidates, Explained, Recipe, Shrink, Sight, Trained, directions};
 use crate::Error;
 use crate::core::Parts;
 use crate::core::features::{self, Catalogue};
@@ -56,7 +57,7 @@ pub(super) struct Used {
 impl<'a> Estimates<'a> {
     /// Trains what estimates, and runs it over the traces.
     pub(super) fn of(traces: &'a [LabelledTrace], classes: &'a [String], recipe: &Recipe) -> Result<Self, Error> {
-        let (segment, recipe) = segment::resolved(traces, recipe);
+        let (segment, recipe) = with_segment(traces, recipe);
         let pieces = |own: &LabelledTrace| match recipe.estimation.segment {
             Some(_) => spans(own.trace.y.len(), segment).count(),
             None => 1,

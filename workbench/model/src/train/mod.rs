@@ -8,97 +8,39 @@
 //! model is measured by running the core on other traces ([`crate::evaluate`]), not here.
 
 mod automatic;
-mod bench;
-pub mod c_header;
-mod c_text;
-mod cell;
-mod compose;
-mod contamination;
-mod core_features;
-mod core_form;
-pub mod covariance;
-mod covariates;
-mod cross_validation;
-mod dependence;
+pub(crate) mod classifier;
 pub mod directions;
-pub mod discriminant;
-mod drive_header;
+pub(crate) mod distribution;
 mod estimates;
-mod estimating;
-mod estimation;
-pub mod export;
-mod fewer_harmonics;
-mod filters;
-mod fit;
-mod folds;
-mod forward;
-pub mod front_end_header;
-pub mod front_end_source;
-pub mod label;
-mod lags;
-mod largest_change;
-mod least_covariance;
-mod left_out;
-mod matrix;
-pub mod moments;
-mod nominal;
+pub(crate) mod estimator;
+pub(crate) mod model;
 pub mod novelty;
-mod pieces;
-pub mod projection;
-mod pulses;
-mod ranking;
 mod recipe;
-mod reference_instruments;
-#[cfg(test)]
-mod reference_values;
-mod refused;
-mod rotor;
-mod scores;
-mod segment;
-mod shaft;
-mod shaft_plan;
-mod shrinkage;
-mod shrinkage_search;
-mod sight;
-mod sizes;
-pub mod statistics;
-mod table;
-mod trained;
-mod velocity_choice;
-mod velocity_source;
+pub(crate) mod rows;
+pub(crate) mod sources;
 
 use crate::Error;
 use crate::trace::labels::LabelledTrace;
 
 pub use automatic::{Automatic, Detected, Rival, Temperature};
-pub use compose::compose;
-pub use contamination::Doubted;
-pub use core_features::row as features_of;
-pub use covariates::{Coefficient, Explained, Explaining};
-pub use cross_validation::predict;
-pub use dependence::Dependence;
-pub use discriminant::GaussianClasses;
+pub use classifier::{
+    Bin, Choice, Decomposition, Forward, Gain, GaussianClasses, GridPoint, Keep, Matrix, Prediction, ProjectionKind,
+    Ranked, Ranking, RowClassifier, RowGate, Score, Scores, Shrink, Shrinkage, discriminant, predict, projection, rank,
+};
+pub use distribution::{ClassStatistics, covariance, moments, statistics};
 use estimates::Estimates;
-pub use estimating::{Estimating, estimating, usual_errors};
-pub use estimation::Estimation;
-pub use folds::{Candidates, Folds, Validation};
-pub use forward::Forward;
-pub use left_out::LeftOut;
-pub use matrix::{Matrix, RowClassifier, RowGate};
+pub use estimator::{
+    Estimating, Estimation, NextToRotor, Remedy, ShaftPlan, VelocitySource, compared_turns, estimating, next_to_rotor,
+    usual_errors,
+};
+pub use model::{OrderSight, Sight, Trained, compose, label};
 pub use novelty::{ACCEPTABLE, AlarmInterval, Alarms, Watch};
-pub use projection::{Keep, ProjectionKind};
-pub use ranking::{Gain, Ranked, Ranking, rank};
 pub use recipe::Recipe;
-pub use rotor::{NextToRotor, Remedy, compared_turns, next_to_rotor};
-pub use scores::{Bin, Decomposition, Prediction, Score, Scores};
-pub use shaft_plan::ShaftPlan;
-pub use shrinkage::{Shrink, Shrinkage};
-pub use shrinkage_search::{Choice, GridPoint};
-pub use sight::{OrderSight, Sight};
-pub use statistics::ClassStatistics;
-pub use table::{AffineMap, FeatureTable};
-pub use trained::Trained;
-pub use velocity_source::VelocitySource;
+pub use rows::{
+    AffineMap, Candidates, Coefficient, Dependence, Doubted, Explained, Explaining, FeatureTable, Folds, LeftOut,
+    Validation, features_of,
+};
+pub use sources::{c_header, export, front_end_header, front_end_source};
 
 /// Judges which of the covariates of a recipe, means of temperatures, explain the features of healthy traces.
 ///

@@ -3,7 +3,7 @@
 //! ```text
 //! Kt  = (3/2) p λ                 torque per ampere of q current (peak)      (1)
 //! N   = lead/2π                   travel per radian of the shaft             (2)
-//! J_t = J + m N²                  inertia with a stiff screw                 (3)
+//! J_t = J + m N²                  inertia of all on the shaft                (3)
 //! μ   = 1/η − 1                   friction of the screw in proportion to its force  (4)
 //! ```
 //!
@@ -11,21 +11,6 @@
 
 use super::super::{RigError, not_negative, positive, within};
 use core::f64::consts::TAU;
-
-/// Spring and damper between the nut and the mass.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Compliance {
-    /// Stiffness.
-    pub stiffness_n_per_m: f64,
-    /// Damping.
-    pub damping_n_s_per_m: f64,
-}
-
-impl Compliance {
-    /// A resonance of 252 Hz of 40 kg with the motor held, and a damping ratio of 2 %. An assumption: the thesis has no
-    /// stiffness.
-    pub const TYPICAL: Self = Self { stiffness_n_per_m: 1e8, damping_n_s_per_m: 2.5e3 };
-}
 
 /// Constants of the actuator without defect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,8 +35,6 @@ pub struct Actuator {
     pub lead_m: f64,
     /// Efficiency η of the screw if the motor drives the load.
     pub efficiency: f64,
-    /// Compliance between nut and mass; `None` for a stiff connection.
-    pub compliance: Option<Compliance>,
 }
 
 impl Actuator {
@@ -68,7 +51,6 @@ impl Actuator {
         coulomb_nm: 0.25,
         lead_m: 3.81e-3,
         efficiency: 0.9,
-        compliance: None,
     };
 
     /// Torque constant (1).
@@ -115,11 +97,6 @@ impl Actuator {
         not_negative("actuator.coulomb_nm", self.coulomb_nm)?;
         positive("actuator.lead_m", self.lead_m)?;
         within("actuator.efficiency", self.efficiency, [0.501, 1.0])?;
-        if let Some(compliance) = &self.compliance {
-            positive("actuator.mass_kg", self.mass_kg)?;
-            positive("actuator.compliance.stiffness_n_per_m", compliance.stiffness_n_per_m)?;
-            not_negative("actuator.compliance.damping_n_s_per_m", compliance.damping_n_s_per_m)?;
-        }
         Ok(())
     }
 }
@@ -157,8 +134,7 @@ mod tests {
         assert!(sound.validate().is_ok());
         assert!(refused(Actuator { efficiency: 0.5, ..sound }).contains("actuator.efficiency"));
         assert!(refused(Actuator { l_h: 0.0, ..sound }).contains("actuator.l_h"));
-        let weightless = Actuator { mass_kg: 0.0, compliance: Some(Compliance::TYPICAL), ..sound };
-        assert!(refused(weightless).contains("actuator.mass_kg"));
-        assert!(Actuator { compliance: None, ..weightless }.validate().is_ok());
+        assert!(refused(Actuator { mass_kg: -1.0, ..sound }).contains("actuator.mass_kg"));
+        assert!(Actuator { mass_kg: 0.0, ..sound }.validate().is_ok());
     }
 }

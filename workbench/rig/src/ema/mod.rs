@@ -51,7 +51,7 @@ pub mod scenario;
 pub mod sensors;
 pub mod trace;
 
-pub use actuator::{Actuator, Compliance};
+pub use actuator::Actuator;
 pub use closed_loop::simulate;
 pub use conditions::EmaCondition;
 pub use control::{Commands, Controller, DriveSettings, Feedback};

@@ -13,17 +13,15 @@
 //! the load, N F_s (2 − 1/η) if the load drives the motor, and N F_s at standstill. T_p are the pulses of the spalls.
 //!
 //! ```text
-//! stiff:      x = x₀ + N (θ − θ₀),   J includes m N²,   F_s = F                  (4)
-//! compliant:  F_s = k (x₀ + N (θ − θ₀) − x) + c (N ω − ẋ),   m ẍ = F_s − F       (5)
-//! F = F_ext(t) + k_e x                                                           (6)
+//! x = x₀ + N (θ − θ₀),   J includes m N²,   F_s = F                              (4)
+//! F = F_ext(t) + k_e x                                                           (5)
 //! ```
 //!
 //! F opposes positive motion: an external force, linear within a step, and springs. With (4), the force that
 //! accelerates the mass causes no friction of the screw; it is at most 1 % of the accelerating torque.
 //!
 //! Integration: Runge–Kutta of fourth order with a fixed step. (1)–(3) are bilinear in ω and i, so they have no exact
-//! step like a motor without rotor frame. The fastest rates are pω = 2.9e3 1/s at 4572 rpm, 1.6e3 1/s of the compliance
-//! and 0.7e3 1/s of the smoothed friction, at most 0.12 a step of 1/24 000 s: the error of a step is (0.12)⁵/5! = 2e-7,
+//! step like a motor without rotor frame. The fastest rates are pω = 2.9e3 1/s at 4572 rpm and 0.7e3 1/s of the smoothed friction, at most 0.12 a step of 1/24 000 s: the error of a step is (0.12)⁵/5! = 2e-7,
 //! and no implicit rule is necessary.
 
 use super::super::bearing::direction;
@@ -52,8 +50,6 @@ pub struct EmaState {
     pub angle_rad: f64,
     /// Position x of the mass.
     pub position_m: f64,
-    /// Velocity of the mass.
-    pub rod_m_s: f64,
 }
 
 impl EmaState {
@@ -65,7 +61,6 @@ impl EmaState {
             velocity_rad_s: self.velocity_rad_s + h * slope.velocity_rad_s,
             angle_rad: self.angle_rad + h * slope.angle_rad,
             position_m: self.position_m + h * slope.position_m,
-            rod_m_s: self.rod_m_s + h * slope.rod_m_s,
         }
     }
 
@@ -77,7 +72,6 @@ impl EmaState {
             && self.velocity_rad_s.is_finite()
             && self.angle_rad.is_finite()
             && self.position_m.is_finite()
-            && self.rod_m_s.is_finite()
     }
 }
 
@@ -98,7 +92,7 @@ pub struct EmaPlant {
 }
 
 impl EmaPlant {
-    /// A sound actuator with a defect, at rest at angle and position zero. `springs_n_per_m` is k_e of (6), zero for no
+    /// A sound actuator with a defect, at rest at angle and position zero. `springs_n_per_m` is k_e of (5), zero for no
     /// springs.
     ///
     /// # Errors
@@ -115,10 +109,6 @@ impl EmaPlant {
         positive("step_s", step_s)?;
         let actuator = defect.actuator(sound);
         actuator.validate()?;
-        let inertia_kg_m2 = match actuator.compliance {
-            None => actuator.inertia_kg_m2(),
-            Some(_) => actuator.rotor_kg_m2,
-        };
         Ok(Self {
             actuator,
             pulses: defect.pulses(bearing),
@@ -126,7 +116,7 @@ impl EmaPlant {
             step_s,
             kt_nm_per_a: actuator.kt_nm_per_a(),
             metres_per_rad: actuator.metres_per_rad(),
-            inertia_kg_m2,
+            inertia_kg_m2: actuator.inertia_kg_m2(),
             screw_friction: actuator.screw_friction(),
             origin_m: 0.0,
             state: EmaState::default(),
@@ -136,16 +126,11 @@ impl EmaPlant {
     /// Sets the actuator at rest at an angle and a position of the nut, with the current that holds `external_n`.
     pub fn hold(&mut self, angle_rad: f64, position_m: f64, external_n: f64) {
         self.origin_m = position_m - self.metres_per_rad * angle_rad;
-        // With a compliance k the mass rests at x = (k x_nut − F_ext)/(k + k_e): F_s = F_ext + k_e x.
-        let rod_m = match &self.actuator.compliance {
-            None => position_m,
-            Some(c) => (c.stiffness_n_per_m * position_m - external_n) / (c.stiffness_n_per_m + self.springs_n_per_m),
-        };
-        let force_n = external_n + self.springs_n_per_m * rod_m;
+        let force_n = external_n + self.springs_n_per_m * position_m;
         self.state = EmaState {
             quadrature_a: self.metres_per_rad * force_n / self.kt_nm_per_a,
             angle_rad,
-            position_m: rod_m,
+            position_m,
             ..EmaState::default()
         };
     }
@@ -162,15 +147,15 @@ impl EmaPlant {
         self.state
     }
 
-    /// Sets the state; position and velocity of the mass must fit the angle if the connection is stiff.
+    /// Sets the state; the position of the mass must fit the angle.
     pub const fn set_state(&mut self, state: EmaState) {
         self.state = state;
     }
 
-    /// The force (6) that opposes positive motion.
+    /// The force (5) that opposes positive motion.
     #[must_use]
     pub fn load_n(&self, external_n: f64) -> f64 {
-        external_n + self.springs_n_per_m * self.state.position_m // (6)
+        external_n + self.springs_n_per_m * self.state.position_m // (5)
     }
 
     /// Simulates one step with the voltage held in the rotor frame; `external_n` is F_ext at its start and at its end.
@@ -184,31 +169,16 @@ impl EmaPlant {
         let k4 = self.slope(&x.plus(h, &k3), voltage, to);
         let sum = k1.plus(2.0, &k2).plus(2.0, &k3).plus(1.0, &k4);
         self.state = x.plus(h / 6.0, &sum);
-        if self.actuator.compliance.is_none() {
-            // Exact (4), without the rounding of a sum over millions of steps.
-            self.state.position_m = self.nut_m(self.state.angle_rad);
-            self.state.rod_m_s = self.metres_per_rad * self.state.velocity_rad_s;
-        }
+        // Exact (4), without the rounding of a sum over millions of steps.
+        self.state.position_m = self.origin_m + self.metres_per_rad * self.state.angle_rad;
     }
 
-    fn nut_m(&self, angle_rad: f64) -> f64 {
-        self.origin_m + self.metres_per_rad * angle_rad
-    }
-
-    /// Equations (1)–(6).
+    /// Equations (1)–(5).
     fn slope(&self, x: &EmaState, voltage: DqVoltage, external_n: f64) -> EmaState {
         let a = &self.actuator;
         let n = self.metres_per_rad;
         let electrical = f64::from(a.pole_pairs) * x.velocity_rad_s;
-        let load_n = external_n + self.springs_n_per_m * x.position_m; // (6)
-        let (screw_n, rod_m_s, rod_m_s2) = match &a.compliance {
-            None => (load_n, n * x.velocity_rad_s, 0.0), // (4)
-            Some(c) => {
-                let stretch_m = self.nut_m(x.angle_rad) - x.position_m;
-                let force = c.stiffness_n_per_m * stretch_m + c.damping_n_s_per_m * (n * x.velocity_rad_s - x.rod_m_s);
-                (force, x.rod_m_s, (force - load_n) / a.mass_kg) // (5)
-            }
-        };
+        let screw_n = external_n + self.springs_n_per_m * x.position_m; // (4), (5)
         let dry = a.coulomb_nm + self.pulses.at(x.angle_rad) + self.screw_friction * n * screw_n.abs();
         let friction = a.viscous_nm_s_per_rad * x.velocity_rad_s + direction(x.velocity_rad_s) * dry;
         EmaState {
@@ -217,8 +187,7 @@ impl EmaPlant {
                 - electrical * x.direct_a, // (2)
             velocity_rad_s: (self.kt_nm_per_a * x.quadrature_a - friction - n * screw_n) / self.inertia_kg_m2, // (3)
             angle_rad: x.velocity_rad_s,
-            position_m: rod_m_s,
-            rod_m_s: rod_m_s2,
+            position_m: n * x.velocity_rad_s, // (4)
         }
     }
 }

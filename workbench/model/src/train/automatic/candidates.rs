@@ -2,8 +2,8 @@
 
 use bearing_watch::plan::Kind;
 
-use super::super::estimates::Estimates;
 use super::situation::Situation;
+use crate::train::estimates::Estimates;
 use crate::train::{Recipe, Shrink, Shrinkage};
 
 /// Friction that a defect only raises.

@@ -2,13 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::super::estimates::{Estimates, Used};
-use super::super::{Folds, predict};
 use super::candidates;
 use super::situation::Situation;
 use super::why::{Automatic, Rival};
 use crate::Error;
-use crate::train::{Prediction, Recipe};
+use crate::train::estimates::{Estimates, Used};
+use crate::train::{Folds, Prediction, Recipe, predict};
 
 /// The cost of a recipe's decisions on held-out segments.
 struct Judged {

@@ -12,13 +12,14 @@
 use bearing_watch::model::TrackedOrder;
 use rayon::prelude::*;
 
-use super::super::estimates::Estimates;
-use super::super::nominal::median;
-use super::super::{core_features, pulses};
 use super::situation::Situation;
 use crate::Error;
 use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
+use crate::train::estimates::Estimates;
+use crate::train::estimator::nominal::median;
+use crate::train::estimator::pulses;
+use crate::train::rows::core_features;
 use crate::train::{FeatureTable, ShaftPlan};
 
 /// Healthy traces to which defects are added.

@@ -13,14 +13,13 @@ use std::f64::consts::LN_2;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use super::super::estimates::{Estimates, Used};
-use super::super::fit::{self, Fitted};
-use super::super::novelty::{Gate, Rows, required_gate};
-use super::super::{Explained, Folds};
 use super::defects::Added;
 use super::why::Detected;
 use crate::Error;
-use crate::train::{Candidates, FeatureTable, Recipe, Validation};
+use crate::train::classifier::fit::{self, Fitted};
+use crate::train::estimates::{Estimates, Used};
+use crate::train::novelty::{Gate, Rows, required_gate};
+use crate::train::{Candidates, Explained, FeatureTable, Folds, Recipe, Validation};
 
 /// Folds: more would take longer, and the gate of four fifths of the traces is nearly that of all.
 const FOLDS: usize = 5;

@@ -1,7 +1,7 @@
 //! What the healthy traces let a detector use.
 
-use super::super::estimates::Estimates;
 use crate::train::ShaftPlan;
+use crate::train::estimates::Estimates;
 
 /// A feature is used if so many of the healthy segments have it.
 const PART: f64 = 0.5;

@@ -13,14 +13,14 @@ use std::collections::BTreeMap;
 
 use bearing_watch::plan::MAX_COVARIATES;
 
-use super::super::estimates::{Estimates, Used};
-use super::super::{Candidates, FeatureTable, Folds, Recipe, covariates};
 use super::candidates;
 use super::situation::Situation;
 use super::why::Temperature;
 use crate::Error;
 use crate::core::features::averaged;
-use crate::train::Validation;
+use crate::train::estimates::{Estimates, Used};
+use crate::train::rows::covariates;
+use crate::train::{Candidates, FeatureTable, Folds, Recipe, Validation};
 
 /// Folds, as those of the compared recipes.
 const FOLDS: usize = 5;

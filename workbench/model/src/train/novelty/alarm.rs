@@ -128,9 +128,9 @@ fn refusal(means: &Means, gate: &Gate, scores: usize, segments: f64, segments_a_
 
 #[cfg(test)]
 mod tests {
-    use super::super::knots::knots;
-    use super::super::law::DistanceLaw;
     use super::*;
+    use crate::train::novelty::laws::knots::knots;
+    use crate::train::novelty::laws::law::DistanceLaw;
 
     fn means(coordinates: usize, rows: usize) -> Means {
         let law = DistanceLaw::gaussian(coordinates, rows);

@@ -22,7 +22,7 @@
 //! u and covariance I − Λ.
 //!
 //! (1) is found for normally distributed features; tails that are heavier are in the law of the distance already. It
-//! uses the saddle-point approximation of P ([`super::spread`]), whose relative error is below 5 %.
+//! uses the saddle-point approximation of P ([`super::laws::spread`]), whose relative error is below 5 %.
 
 use bearing_watch::model::KNOTS;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -31,9 +31,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::knots::FOLLOWED;
+use super::laws::knots::FOLLOWED;
+use super::laws::spread::{tail, wishart};
 use super::runs::RunSpread;
-use super::spread::{tail, wishart};
 
 /// Part of the baselines for which the mean time between false alarms is at least the set one.
 pub const COVERED: f64 = 0.95;
@@ -174,9 +174,9 @@ fn squared_at(knots: &[[f64; 2]; KNOTS], surprise: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::knots::knots;
-    use super::super::law::DistanceLaw;
     use super::*;
+    use crate::train::novelty::laws::knots::knots;
+    use crate::train::novelty::laws::law::DistanceLaw;
 
     const BET: f64 = 0.2;
     const CAP: f64 = 7.0;

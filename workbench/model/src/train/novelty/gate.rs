@@ -1,15 +1,15 @@
-//! The novelty gate in double precision.
+//! The novelty gate in double precision, and whether there are enough segments or runs for its rate.
 
 use bearing_watch::model::KNOTS;
 use nalgebra::{DMatrix, DVector};
 
 use super::alarms::Alarms;
-use super::law::{self, DistanceLaw};
-use super::rising::Rising;
-use super::runs::RunSpread;
-use super::spread;
+use super::laws::law::{self, DistanceLaw, fewest};
+use super::laws::rising::Rising;
+use super::laws::spread;
+use super::runs::{self, RunSpread};
 use crate::Error;
-use crate::train::moments;
+use crate::train::distribution::moments;
 
 /// The gate in double precision; fields as in [`bearing_watch::model::Novelty`].
 #[derive(Clone, Debug)]
@@ -128,4 +128,31 @@ pub(super) fn checked(
         Some(problem) => Ok(Err(problem)),
         None => gate().map(Ok),
     }
+}
+
+/// What must suffice for the rate of a gate.
+pub(crate) enum Counted {
+    Runs(usize),
+    /// Rows that have the coordinate which is missing most often, and this coordinate.
+    Rows((usize, Option<usize>)),
+}
+
+/// Says why there are too few segments or runs for a gate at this rate.
+pub(crate) fn scarcity(counted: Counted, fitted: usize, names: &[String], rate: f64) -> Option<String> {
+    let (rows, scarce) = match counted {
+        Counted::Runs(count) => {
+            let count = count.saturating_sub(fitted);
+            return (count < runs::fewest(names.len(), rate)).then(|| runs::refusal(names.len(), count, rate));
+        }
+        Counted::Rows(own) => own,
+    };
+    let least = fewest(names.len(), rate);
+    let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
+    (rows.saturating_sub(fitted) < least).then(|| {
+        format!(
+            "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate of \
+             {rate}; give at least {least}, shorter segments, fewer features, or a higher rate",
+            names.len()
+        )
+    })
 }

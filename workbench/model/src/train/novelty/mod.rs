@@ -4,7 +4,7 @@
 //! segment's distance ([`law`]), so that the mean false-alarm rate over training sets of any size is the set one. The
 //! deviation of a single gate from the set rate depends on the number of segments ([`spread`]).
 //!
-//! Coordinates may have errors of known variance, or be missing (`super::moments`). The distance of each segment is
+//! Coordinates may have errors of known variance, or be missing (`super::distribution::moments`). The distance of each segment is
 //! that of its available coordinates, with their errors, and [`law::equivalent`] converts it to all coordinates, as the
 //! core does. The number of segments is then that of the coordinate that is missing most often.
 //!
@@ -18,20 +18,12 @@
 pub mod alarm;
 mod alarms;
 pub mod baseline;
-mod excess;
 mod gate;
-mod held_out_runs;
-mod knots;
-pub mod law;
-mod least_rows;
+mod laws;
 mod of_rows;
 pub mod of_sums;
 mod ratios;
-pub mod rising;
 pub mod runs;
-mod scarcity;
-pub mod score;
-pub mod spread;
 mod trend;
 
 use bearing_watch::model::EvidenceConstants;
@@ -44,9 +36,10 @@ use alarms::segments_between;
 pub use alarms::{ACCEPTABLE, AlarmInterval, Alarms};
 pub use gate::Gate;
 use gate::GateOrReason;
-pub use least_rows::fewest;
+pub use laws::law::fewest;
+pub use laws::{law, rising, score, spread};
 pub(crate) use of_rows::{Rows, required_gate};
-pub use of_rows::{gate_of, gate_of_rising, gate_of_runs, gate_of_table};
+pub use of_rows::{gate_of_rising, gate_of_runs};
 use ratios::TrainingSet;
 
 /// Gate and alarm of a trained model.

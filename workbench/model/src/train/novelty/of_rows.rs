@@ -3,21 +3,21 @@
 //! The twin of this room is [`super::of_sums`], which has sums of the segments only.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::alarms::Alarms;
-use super::gate::{Gate, GateOrReason, checked};
-use super::law::{self, DistanceLaw};
-use super::rising::Rising;
-use super::runs::{self, RunSpread};
-use super::scarcity::{Counted, scarcity};
-use super::score::ScoreLaw;
-use super::{held_out_runs, knots, spread};
+use super::gate::{Counted, Gate, GateOrReason, checked, scarcity};
+use super::laws::law::{self, DistanceLaw, equivalent};
+use super::laws::rising::Rising;
+use super::laws::score::ScoreLaw;
+use super::laws::{knots, spread};
+use super::runs::{self, NextRun, RunSpread, next_run};
 use crate::Error;
 use crate::train::FeatureTable;
-use crate::train::covariance::{singular, whitening};
-use crate::train::moments::{self, Moments};
-use crate::train::statistics::ClassStatistics;
+use crate::train::distribution::covariance::{singular, whitening};
+use crate::train::distribution::moments::{self, Moments};
+use crate::train::distribution::statistics::ClassStatistics;
 
 /// Probability that any coordinate seems skewed if none is.
 const IMPROBABLE: f64 = 0.01;
@@ -54,27 +54,11 @@ pub(crate) fn required_gate(rows: Rows<'_>, runs: Option<&[usize]>, alarms: &Ala
     gate(rows, runs, &alarms)?.map_err(Error::Training)
 }
 
-/// Returns the gate of healthy rows alone.
+/// Returns the gate of a table of healthy rows alone, whose values may have errors or be missing; of rows with runs, each
+/// with a number in the order of time, that for the next run.
 ///
 /// # Errors
-/// Too few rows for the rate, or coordinates that are constant or depend on each other.
-pub fn gate_of(healthy: &[DVector<f64>], rate: f64) -> Result<Gate, Error> {
-    gate_of_table(&FeatureTable::exact(healthy.to_vec(), vec![0; healthy.len()], vec!["healthy".into()]), rate)
-}
-
-/// Returns the gate of a table of healthy rows alone, whose values may have errors or be missing.
-///
-/// # Errors
-/// As [`gate_of`].
-pub fn gate_of_table(table: &FeatureTable, rate: f64) -> Result<Gate, Error> {
-    gate_of_runs(table, None, rate)
-}
-
-/// Returns the gate for the next run of a table of healthy rows alone, each of a run with a number in the order of
-/// time.
-///
-/// # Errors
-/// As [`gate_of`], for the number of runs.
+/// Too few rows or runs for the rate, or coordinates that are constant or depend on each other.
 pub fn gate_of_runs(table: &FeatureTable, runs: Option<&[usize]>, rate: f64) -> Result<Gate, Error> {
     gate_of_rising(table, runs, 0, rate)
 }
@@ -166,7 +150,7 @@ impl Healthy {
             let runs::NextRun { mean, covariance, law, spread } =
                 runs::next_run(healthy, runs, *count).map_err(refuse)?;
             let covariance = covariance * self.wider(*count);
-            let law = law.corrected(&held_out_runs::surprises(healthy, runs, *count), skewed.is_some());
+            let law = law.corrected(&surprises(healthy, runs, *count), skewed.is_some());
             return gate(mean, covariance, law, Some(spread));
         }
         let statistics = ClassStatistics::of(healthy, names)?;
@@ -262,4 +246,32 @@ fn left_out(scores: &FeatureTable) -> Option<Vec<f64>> {
     let all = squared.into_iter().zip(&scores.rows).filter(|((_, available), _)| *available > 0);
     // The mean of the others is on the same side of the value as that of all.
     Some(all.map(|((squared, _), row)| squared.sqrt().copysign(row[0] - mean)).collect())
+}
+
+/// Parts of the runs, of which one at a time is judged by the others.
+const FOLDS: usize = 10;
+
+/// Returns the surprise of each segment by mean, covariance and law of other runs, with its run; none if these have no
+/// law, or of fewer than ten runs. A tenth of the runs is left out at a time.
+pub(crate) fn surprises(table: &FeatureTable, runs: &[usize], count: usize) -> Vec<(f64, usize)> {
+    if count < FOLDS {
+        return vec![];
+    }
+    let of_fold = |fold: usize| -> Option<Vec<(f64, usize)>> {
+        let (out, others): (Vec<usize>, Vec<usize>) = (0..runs.len()).partition(|&row| runs[row] % FOLDS == fold);
+        let left = (0..count).filter(|run| run % FOLDS != fold).collect::<Vec<_>>();
+        let numbers: Vec<usize> = others.iter().filter_map(|&row| left.binary_search(&runs[row]).ok()).collect();
+        let NextRun { mean, covariance, law, spread } = next_run(&table.keep(&others), &numbers, left.len()).ok()?;
+        // The law (4) needs more degrees of freedom than coordinates.
+        (spread.freedom > mean.len() as f64).then_some(())?;
+        let surprise = |&row: &usize| {
+            let (value, variance) = (&table.rows[row], &table.variances[row]);
+            let (squared, available) = moments::squared_distance((&mean, &covariance), value, variance)?;
+            let squared = equivalent(squared, available, value.len());
+            squared.is_finite().then(|| (law.surprise(squared), runs[row]))
+        };
+        out.iter().map(surprise).collect()
+    };
+    let all: Option<Vec<_>> = (0..FOLDS).into_par_iter().map(of_fold).collect();
+    all.unwrap_or_default().concat()
 }

@@ -7,23 +7,23 @@
 //! d²₋ = (n/(n−1))² q/(1 − c q),   q = d² (n−2)/(n−1),   c = n/((n−1)(n−2))                     (1)
 //! ```
 //!
-//! (1) is (3) of `crate::train::moments` for rows without errors and missing values, by the formula of Sherman and
+//! (1) is (3) of `crate::train::distribution::moments` for rows without errors and missing values, by the formula of Sherman and
 //! Morrison. Without a second pass the tails have their prior probabilities, and the gate is further out.
 
 use bearing_watch::model::KNOTS;
 use nalgebra::{DMatrix, DVector};
 
 use super::alarms::Alarms;
-use super::gate::{Gate, checked};
-use super::law::{DistanceLaw, Likelihoods, TailDensities};
-use super::rising::Rising;
+use super::gate::{Counted, Gate, checked, scarcity};
+use super::laws::law::{DistanceLaw, Likelihoods, TailDensities};
+use super::laws::rising::Rising;
+use super::laws::score::ScoreLaw;
+use super::laws::{knots, spread};
+use super::ratios::TrainingSet;
 use super::runs::{self, NextRun, RunMoments};
-use super::scarcity::{Counted, scarcity};
-use super::score::ScoreLaw;
-use super::{Watch, knots, spread, watch};
+use super::{Watch, watch};
 use crate::Error;
-use crate::train::covariance::{singular, whitening};
-use crate::train::novelty::ratios::TrainingSet;
+use crate::train::distribution::covariance::{singular, whitening};
 use crate::train::{GaussianClasses, Recipe};
 
 /// Sums of healthy rows in coordinates.

@@ -26,10 +26,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::baseline::COVERED;
+use super::laws::spread::wishart;
 use super::runs::RunSpread;
-use super::spread::wishart;
-use crate::train::covariance::{log_density, whitening};
-use crate::train::discriminant::{of_statistics, shrunk};
+use crate::train::classifier::discriminant::{of_statistics, shrunk};
+use crate::train::distribution::covariance::{log_density, whitening};
 use crate::train::{ClassStatistics, FeatureTable, GaussianClasses, Recipe, Shrink};
 
 const DRAWS: u64 = 200;
@@ -227,7 +227,7 @@ mod tests {
         let names: Vec<String> = (0..coordinates).map(|k| format!("z{k}")).collect();
         let mut recipe = Recipe::new(Structure::new(1, 1, 0, 1, 0));
         (recipe.alarms.healthy, recipe.alarms.other_drive) = (Some(0), other_drive);
-        let densities = crate::train::discriminant::train(&table, &names, &recipe).expect("regular");
+        let densities = crate::train::classifier::discriminant::train(&table, &names, &recipe).expect("regular");
         let groups: Vec<usize> = (0..2 * rows).map(|k| runs.map_or(k, |(count, _)| k / 2 % count)).collect();
         let spread = runs.map(|(count, between)| RunSpread {
             count,

@@ -20,9 +20,9 @@
 //! that happen to be alike would have too small an S and too large an f at the same time; λ is therefore the upper 90 %
 //! confidence limit of the part of the variance that is between runs. In simulations the mean rate is never more than
 //! 1.5 times the set one; at few runs it is lower. With one segment in each run, (4) is Hotelling's law of k segments.
-//! Heavy tails of the segments within runs are considered as in [`super::law`].
+//! Heavy tails of the segments within runs are considered as in [`super::laws::law`].
 //!
-//! Values with errors or missing values: ȳ_i and W are those of `crate::train::moments` with the runs as classes. The
+//! Values with errors or missing values: ȳ_i and W are those of `crate::train::distribution::moments` with the runs as classes. The
 //! means then have larger errors than Σ_e/n_i and B is larger, so that S is too large rather than too small.
 //!
 //! (5) A significant trend (5 %, Bonferroni over the coordinates) means that the next run is expected at δ from the
@@ -43,13 +43,12 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::law::{DistanceLaw, Likelihoods, TailDensities, equivalent};
-use super::least_rows::{fewest_near, is_near};
+use super::laws::law::{DistanceLaw, Likelihoods, TailDensities, equivalent, fewest_near, is_near};
 pub use super::trend::{Drift, Slope};
 use super::trend::{Shift, trend};
 use crate::train::FeatureTable;
-use crate::train::covariance::{symmetric, whitening};
-use crate::train::moments::{self, Moments, Observed};
+use crate::train::distribution::covariance::{symmetric, whitening};
+use crate::train::distribution::moments::{self, Moments, Observed};
 
 /// Probability that the part of the variance between runs is larger than assumed.
 const UNLIKELY: f64 = 0.1;

@@ -4,7 +4,7 @@ use bearing_watch::drive::{Abc, RotorFrame};
 use bearing_watch::{Angle, Park};
 
 use super::*;
-use crate::ema::{Actuator, Compliance, EmaCondition, EmaDefect, EmaLoad, EmaState, Logging, Race, SensorErrors};
+use crate::ema::{Actuator, EmaCondition, EmaDefect, EmaLoad, EmaState, Logging, Race, SensorErrors};
 use crate::{DefectKind, Waveform, trace_seed};
 
 /// Exact sensors, no fluctuation of the load.
@@ -48,57 +48,34 @@ fn rated_force_needs_rated_current_in_steady_motion_and_less_at_standstill() {
     assert!((still - 19.8).abs() < 0.05, "{still}");
 }
 
-/// Length change of the connection between nut and mass, and its rate; `start` is the state at the start of the record,
-/// with the nut at the mean of the command.
-fn stretch(x: &EmaState, start: &EmaState, scenario: &EmaScenario) -> [f64; 2] {
-    let n = scenario.actuator.lead_m / TAU;
-    let nut_m = scenario.offset_m + n * (x.angle_rad - start.angle_rad);
-    [nut_m - x.position_m, n * x.velocity_rad_s - x.rod_m_s]
-}
-
-/// Powers in a state: electrical, copper, friction and damping, load.
-fn powers(x: &EmaState, start: &EmaState, (v, external_n): (DqVoltage, f64), scenario: &EmaScenario) -> [f64; 4] {
+/// Powers in a state: electrical, copper, friction, load.
+fn powers(x: &EmaState, (v, external_n): (DqVoltage, f64), scenario: &EmaScenario) -> [f64; 4] {
     let a = scenario.defect.actuator(&scenario.actuator.at_temperature(scenario.temperature));
     let load_n = external_n + scenario.load.springs_n_per_m() * x.position_m;
     let pulses = scenario.defect.pulses(&scenario.bearing).at(x.angle_rad);
-    let [length, rate] = stretch(x, start, scenario);
-    let (screw_n, damping_w) = match a.compliance {
-        None => (load_n, 0.0),
-        Some(c) => (c.stiffness_n_per_m * length + c.damping_n_s_per_m * rate, c.damping_n_s_per_m * rate.powi(2)),
-    };
-    let dry = a.coulomb_nm + pulses + (1.0 / a.efficiency - 1.0) * a.lead_m / TAU * screw_n.abs();
+    let metres_per_rad = a.lead_m / TAU;
+    let dry = a.coulomb_nm + pulses + (1.0 / a.efficiency - 1.0) * metres_per_rad * load_n.abs();
     let dry_w = x.velocity_rad_s * x.velocity_rad_s.tanh() * dry;
     [
         1.5 * (v.d_v * x.direct_a + v.q_v * x.quadrature_a),
         1.5 * a.r_ohm * (x.direct_a.powi(2) + x.quadrature_a.powi(2)),
-        a.viscous_nm_s_per_rad * x.velocity_rad_s.powi(2) + dry_w + damping_w,
-        load_n * x.rod_m_s,
+        a.viscous_nm_s_per_rad * x.velocity_rad_s.powi(2) + dry_w,
+        load_n * metres_per_rad * x.velocity_rad_s,
     ]
 }
 
-/// Magnetic, kinetic and elastic energy; the springs count as load.
-fn stored_j(x: &EmaState, start: &EmaState, scenario: &EmaScenario) -> f64 {
+/// Magnetic and kinetic energy; the springs count as load.
+fn stored_j(x: &EmaState, scenario: &EmaScenario) -> f64 {
     let a = &scenario.actuator;
-    let [length, _] = stretch(x, start, scenario);
-    0.75 * a.l_h * (x.direct_a.powi(2) + x.quadrature_a.powi(2))
-        + 0.5 * a.rotor_kg_m2 * x.velocity_rad_s.powi(2)
-        + 0.5 * a.mass_kg * x.rod_m_s.powi(2)
-        + a.compliance.map_or(0.0, |c| 0.5 * c.stiffness_n_per_m * length.powi(2))
+    0.75 * a.l_h * (x.direct_a.powi(2) + x.quadrature_a.powi(2)) + 0.5 * a.inertia_kg_m2() * x.velocity_rad_s.powi(2)
 }
 
 #[test]
 fn electrical_energy_is_losses_and_work_and_change_of_stored_energy() {
     let defect = EmaDefect::of(DefectKind::SpallAndRoughness, 1.0, Race::Inner);
-    let soft = Actuator { compliance: Some(Compliance::TYPICAL), ..Actuator::MAXFORCE };
-    for (name, actuator) in [
-        ("moog-2-mix", Actuator::MAXFORCE),
-        ("moog-3", Actuator::MAXFORCE),
-        ("moog-5-mix", soft),
-        ("rit-mix", Actuator::MAXFORCE),
-        ("rit", soft),
-    ] {
+    for name in ["moog-2-mix", "moog-3", "moog-5-mix", "rit-mix", "rit"] {
         let condition = EmaCondition::named(name).expect("known");
-        let scenario = EmaScenario { actuator, defect, ..condition.scenario(9) };
+        let scenario = EmaScenario { defect, ..condition.scenario(9) };
         let mut run = Experiment::new(&scenario, 9).expect("valid");
         let start = run.plant.state();
         let [mut electrical, mut copper, mut friction, mut load] = [0.0; 4];
@@ -110,14 +87,14 @@ fn electrical_energy_is_losses_and_work_and_change_of_stored_energy() {
             run.advance(t_s, applied, |[from, to], plant| {
                 // The trapezoidal rule.
                 for (x, force) in [(before, from), (plant.state(), to)] {
-                    let power = powers(&x, &start, (applied, force), &scenario);
+                    let power = powers(&x, (applied, force), &scenario);
                     let sums = [&mut electrical, &mut copper, &mut friction, &mut load];
                     sums.into_iter().zip(power).for_each(|(sum, power_w)| *sum += 0.5 * step_s * power_w);
                 }
                 before = plant.state();
             });
         }
-        let change = stored_j(&run.plant.state(), &start, &scenario) - stored_j(&start, &start, &scenario);
+        let change = stored_j(&run.plant.state(), &scenario) - stored_j(&start, &scenario);
         let rest = electrical - copper - friction - load - change;
         println!("{name}: {electrical} J = {copper} + {friction} + {load} + {change} + {rest}");
         // The trapezoidal rule has (h/τ)²/12 = 6e-4 of the energy that the current loop (τ = 0.5 ms) moves at its steps
@@ -257,20 +234,18 @@ fn pulses_appear_in_the_current_with_their_mean_and_at_their_order() {
 }
 
 #[test]
-fn hot_and_compliant_actuators_run_too() {
-    let soft = Actuator { compliance: Some(Compliance::TYPICAL), ..Actuator::MAXFORCE };
-    let scenario = EmaScenario { actuator: soft, temperature: 1.0, ..SLOW };
+fn hot_actuators_run_too() {
+    let scenario = EmaScenario { temperature: 1.0, ..SLOW };
     let hot = mean_current(&EmaScenario { load: EmaLoad::Constant { force_n: 5e3 }, ..scenario });
     let omega = 4.0 * 0.02 * 0.1 * TAU / 3.81e-3;
     let torque = 5e3 * 3.81e-3 / TAU / 0.9 + 0.25 + 2e-3 * omega;
-    // λ − 5 %. Settled to 1e-9; the ringing of 252 Hz is damped by 2 %, exp(−31 t).
+    // λ − 5 %. Settled to 1e-9.
     assert!((hot - torque / (0.95 * 1.5 * 6.0 * 0.0559)).abs() < 1e-6, "{hot}");
 }
 
 #[test]
 fn a_loop_that_runs_away_is_an_error_not_a_trace() {
-    let stiff = Compliance { stiffness_n_per_m: 1e13, damping_n_s_per_m: 0.0 };
-    let wild = EmaScenario { actuator: Actuator { compliance: Some(stiff), ..Actuator::MAXFORCE }, ..QUIET };
+    let wild = EmaScenario { actuator: Actuator { rotor_kg_m2: 1e-12, mass_kg: 0.0, ..Actuator::MAXFORCE }, ..QUIET };
     assert!(matches!(simulate(&wild, 0), Err(RigError::Diverged { .. })));
 }
 

@@ -2,7 +2,7 @@ use core::f64::consts::TAU;
 
 use super::*;
 use crate::DefectKind;
-use crate::ema::{Compliance, Race};
+use crate::ema::Race;
 
 const STEP_S: f64 = 1.0 / 24_000.0;
 const SMOOTH: Actuator = Actuator { viscous_nm_s_per_rad: 0.0, coulomb_nm: 0.0, ..Actuator::MAXFORCE };
@@ -14,9 +14,7 @@ fn plant(actuator: &Actuator, springs_n_per_m: f64) -> EmaPlant {
 
 /// The plant in this state with the mass at its place.
 fn set(plant: &mut EmaPlant, velocity_rad_s: f64, quadrature_a: f64) {
-    let metres_per_rad = plant.actuator().lead_m / TAU;
-    let rod_m_s = metres_per_rad * velocity_rad_s;
-    plant.set_state(EmaState { velocity_rad_s, quadrature_a, rod_m_s, ..plant.state() });
+    plant.set_state(EmaState { velocity_rad_s, quadrature_a, ..plant.state() });
 }
 
 #[test]
@@ -68,27 +66,24 @@ fn efficiency_acts_in_the_direction_of_the_power() {
 
 #[test]
 fn held_actuators_stay_where_they_are() {
-    let soft = Actuator { compliance: Some(Compliance::TYPICAL), ..Actuator::MAXFORCE };
-    for actuator in [Actuator::MAXFORCE, soft] {
-        for springs in [0.0, 2.4e5] {
-            let mut held = plant(&actuator, springs);
-            held.hold(7.0, 0.02, 3e3);
-            let start = held.state();
-            let force = held.load_n(3e3);
-            // 3 kN, and 20 mm of the springs less the compression of the screw of at most 0.1 mm.
-            assert!((force - 3e3 - springs * 0.02).abs() <= springs * 1e-4 && start.angle_rad == 7.0);
-            let voltage = DqVoltage { d_v: 0.0, q_v: 0.6 * start.quadrature_a };
-            (0..2400).for_each(|_| held.step(voltage, [3e3; 2]));
-            // Rounding only.
-            assert!((held.state().position_m - start.position_m).abs() < 1e-12);
-            assert!(held.state().velocity_rad_s.abs() < 1e-8);
-        }
+    for springs in [0.0, 2.4e5] {
+        let mut held = plant(&Actuator::MAXFORCE, springs);
+        held.hold(7.0, 0.02, 3e3);
+        let start = held.state();
+        let force = held.load_n(3e3);
+        // 3 kN, and 20 mm of the springs.
+        assert!((force - 3e3 - springs * 0.02).abs() <= springs * 1e-4 && start.angle_rad == 7.0);
+        let voltage = DqVoltage { d_v: 0.0, q_v: 0.6 * start.quadrature_a };
+        (0..2400).for_each(|_| held.step(voltage, [3e3; 2]));
+        // Rounding only.
+        assert!((held.state().position_m - start.position_m).abs() < 1e-12);
+        assert!(held.state().velocity_rad_s.abs() < 1e-8);
     }
 }
 
 #[test]
 fn springs_and_inertia_swing_at_their_frequency() {
-    // A stiff screw: ω² = k_e N²/J with J = 1.5e-3 + 40 N².
+    // ω² = k_e N²/J with J = 1.5e-3 + 40 N².
     let frictionless = Actuator { efficiency: 1.0, flux_wb: 1e-12, ..SMOOTH };
     let mut swing = plant(&frictionless, 2.4e5);
     swing.hold(0.0, 0.01, 0.0);
@@ -104,29 +99,12 @@ fn springs_and_inertia_swing_at_their_frequency() {
 }
 
 #[test]
-fn the_mass_behind_the_compliance_rings_at_its_resonance() {
-    // With a huge rotor: ẍ = −(k/m) x − (c/m) ẋ from 0.1 mm.
-    let soft = Actuator { rotor_kg_m2: 1e9, compliance: Some(Compliance::TYPICAL), ..SMOOTH };
-    let mut ringing = plant(&soft, 0.0);
-    ringing.set_state(EmaState { position_m: 1e-4, ..EmaState::default() });
-    let (decay, squared): (f64, f64) = (2.5e3 / 80.0, 1e8 / 40.0);
-    let omega = (squared - decay * decay).sqrt();
-    for k in 1..=1200_i32 {
-        ringing.step(DqVoltage::default(), [0.0; 2]);
-        let t = STEP_S * f64::from(k);
-        let expected = 1e-4 * (-decay * t).exp() * ((omega * t).cos() + decay / omega * (omega * t).sin());
-        // ωh = 0.066: (ωh)⁵/5! = 1e-8 a step, 1200 steps.
-        assert!((ringing.state().position_m - expected).abs() < 2e-5 * 1e-4, "{k}");
-    }
-}
-
-#[test]
 fn a_finer_step_hardly_changes_the_motion() {
     let defect = EmaDefect::of(DefectKind::SpallAndRoughness, 1.0, Race::Inner);
-    let soft = Actuator { compliance: Some(Compliance::TYPICAL), ..Actuator::MAXFORCE };
     let end = |steps: u32| {
         let step_s = 0.1 / f64::from(steps);
-        let mut plant = EmaPlant::new(&soft, &defect, &BearingGeometry::THESIS, 2.4e5, step_s).expect("valid");
+        let mut plant =
+            EmaPlant::new(&Actuator::MAXFORCE, &defect, &BearingGeometry::THESIS, 2.4e5, step_s).expect("valid");
         plant.hold(1.0, -0.01, 0.0);
         (0..steps).for_each(|_| plant.step(DqVoltage { d_v: -10.0, q_v: 30.0 }, [0.0; 2]));
         plant.state()
