@@ -2,6 +2,7 @@
 
 pub mod documents;
 pub mod flash;
+pub mod halves;
 pub mod oracle;
 pub mod plans;
 pub mod plants;

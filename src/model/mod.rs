@@ -22,7 +22,7 @@ pub use crate::decide::{
     Feature, FeatureValue, KNOTS, Law, MAX_BACKGROUND, Most, Novelty, Projection, Rise,
 };
 pub use crate::regression::Regression;
-pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
+pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_SEGMENT_ROWS};
 pub use crate::shaft::balance::{Balance, StateVariable, TERMS};
 pub use crate::shaft::delays::{Lags, MAX_LAG};
 pub use crate::shaft::orders::{Blocks, CONTROLS, TrackedOrder, Tracking, q16};
@@ -36,7 +36,7 @@ pub use error::{Field, ModelError};
 pub use mark::mark;
 #[doc(hidden)]
 pub use parts::{Parts, RegressionParts, RunParts, ShaftParts};
-pub use sampling::{MAX_BLOCK_MEAN, Sampling};
+pub use sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};
 #[doc(hidden)]
 pub use validate::check;
 

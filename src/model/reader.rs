@@ -79,10 +79,10 @@ impl Reader<'_> {
         if self.flag(Field::Layout)? {
             let structure = Structure { offset: self.flag(Field::Layout)?, ..Structure::from_orders(self.array()?) };
             let method = if self.flag(Field::Layout)? { Method::Instruments } else { Method::LeastSquares };
-            let memory = match self.choice(2, Field::Layout)? {
+            let memory = match self.u8()? {
                 0 => Memory::Segment,
-                1 => Memory::LongSegment,
-                _ => Memory::Fading,
+                2 => Memory::Fading,
+                _ => return Err(ModelError::OutOfRange(Field::Layout)),
             };
             let [y, u1, u2] = self.signals()?;
             layout.regression = Some(RegressionLayout { structure, method, memory, y, u1, u2 });

@@ -68,7 +68,6 @@ impl<S: Sink> Writer<S> {
             self.bytes(&structure.orders())?;
             let memory = match memory {
                 Memory::Segment => 0,
-                Memory::LongSegment => 1,
                 Memory::Fading => 2,
             };
             self.bytes(&[u8::from(method == Method::Instruments), memory])?;

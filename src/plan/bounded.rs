@@ -79,10 +79,6 @@ impl Bounds {
         1
     }
 
-    pub const fn two_level(&self) -> usize {
-        1
-    }
-
     pub const fn columns(&self) -> usize {
         self.columns
     }

@@ -77,8 +77,6 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     type Squares: Presence;
     /// 1 if the regression uses instrumental variables.
     type Instruments: Presence;
-    /// 1 if rows are summed in two levels.
-    type TwoLevel: Presence;
     /// M, the number of columns of a row.
     type Columns: Size;
     /// M (M − 1)/2.
@@ -293,7 +291,6 @@ macro_rules! plan_types {
         type Regressed = $crate::plan::$presence<{ $lengths.regressed() }>;
         type Squares = $crate::plan::$presence<{ $lengths.squares() }>;
         type Instruments = $crate::plan::$presence<{ $lengths.instruments() }>;
-        type TwoLevel = $crate::plan::$presence<{ $lengths.two_level() }>;
         type Columns = $crate::plan::$size<{ $lengths.columns() }>;
         type Packed = $crate::plan::$size<{ $lengths.packed() }>;
         type Parameters = $crate::plan::$size<{ $lengths.parameters() }>;

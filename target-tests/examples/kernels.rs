@@ -56,10 +56,10 @@ fn run() {
     sizes!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21);
     estimator();
     streams::run(|number, outcomes| {
-        let streams::Outcomes { plain, two_level, fading } = outcomes;
-        let solved = [plain, two_level, fading].map(|outcome| outcome.solved);
-        let (plain, two_level, fading) = (plain.bits, two_level.bits, fading.bits);
-        say!("stream {number} {plain:08x}, two levels {two_level:08x}, fading {fading:08x}, solved {solved:?}");
+        let streams::Outcomes { plain, fading } = outcomes;
+        let solved = [plain, fading].map(|outcome| outcome.solved);
+        let (plain, fading) = (plain.bits, fading.bits);
+        say!("stream {number} {plain:08x}, fading {fading:08x}, solved {solved:?}");
     });
     let mut hash = Hash::new();
     let mut numbers = Numbers(11);

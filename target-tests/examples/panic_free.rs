@@ -29,8 +29,6 @@ mod raw;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "../../examples/support/refined.rs"]
 mod refined;
-#[path = "support/rotor_calls.rs"]
-mod rotor_calls;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]
 mod shaft;
@@ -67,7 +65,6 @@ fn run() {
     converter::run(|error| show(error));
     storage_calls::run(|error| show(error));
     signature_calls::run(|error| show(error));
-    rotor_calls::run();
     watch_calls::run(|error| show(error));
     plans();
     constants();
@@ -80,7 +77,6 @@ fn run() {
     detector(&shaft::MODEL, |values| motion(values).into());
     detector(&shaft::LOADLESS, |values| motion(values).into());
     fading();
-    long();
     largest();
 }
 
@@ -160,7 +156,7 @@ fn plans() {
         show(error);
     }
     opaque([Layout::regressed(&layout), Layout::squares(&layout), Layout::instruments(&layout)]);
-    opaque([Layout::two_level(&layout), Layout::columns(&layout), Layout::packed(&layout)]);
+    opaque([Layout::columns(&layout), Layout::packed(&layout)]);
     opaque(Layout::moments(&layout));
     opaque([Layout::parameters(&layout), Layout::covariance(&layout), Layout::delays(&layout)]);
     opaque([Layout::filters(&layout), Layout::watched(&layout), Layout::orders(&layout), Layout::map(&layout)]);
@@ -233,9 +229,6 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             telemetry_calls::on_can(model, &report, &evidence);
         }
         telemetry_calls::record(model, &sample, |error| show(error));
-        if let Some(segment) = opaque(Detector::collect(&mut detector, &sample)) {
-            opaque(segment);
-        }
     }
     monitor_calls::exchange(model, || sample(numbers.array()));
     opaque((Detector::pending(&detector), Detector::counts(&detector), Detector::preview(&detector)));
@@ -417,7 +410,6 @@ regression!(fading RegressionLayout {
     memory: Memory::Fading,
     ..largest_layout()
 });
-regression!(long RegressionLayout { memory: Memory::LongSegment, ..largest_layout() });
 regression!(largest largest_layout());
 
 /// The errors' texts.

@@ -23,31 +23,21 @@ const EXPORTING: [&str; 11] = [
     "watch/mod.rs",
 ];
 /// The files of the example.
-const CALLING: [&str; 10] = [
+const CALLING: [&str; 9] = [
     "panic_free.rs",
     "support/bus_calls.rs",
     "support/converter.rs",
     "support/drive_calls.rs",
     "support/monitor_calls.rs",
-    "support/rotor_calls.rs",
     "support/signature_calls.rs",
     "support/storage_calls.rs",
     "support/telemetry_calls.rs",
     "support/watch_calls.rs",
 ];
-/// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants. And the
+/// Not for programs of a drive: hidden helpers of macros and constants. And the
 /// verification of a signature, whose crate has index checks that the compiler cannot prove; all of it but the
 /// arithmetic is `Trust::verify_with`.
-const ELSEWHERE: [&str; 8] = [
-    "Estimate::covariance_matrix",
-    "Projection::to_matrices",
-    "Model::checked",
-    "Model::marked",
-    "ModelError::name",
-    "Trust::verify",
-    "check",
-    "mark",
-];
+const ELSEWHERE: [&str; 6] = ["Model::checked", "Model::marked", "ModelError::name", "Trust::verify", "check", "mark"];
 
 /// How a public function starts.
 const PUBLIC: &[&str] = &["pub fn ", "pub const fn "];

@@ -120,9 +120,8 @@ fn variants_are_those_of_their_bytes_and_no_others() {
     assert_eq!(at(2, 0), Ok(Some((false, instruments, Memory::Fading))));
     assert_eq!(at(8, 0), Ok(Some((true, squares, Memory::Fading))));
     assert_eq!(at(9, 0), Ok(Some((true, instruments, Memory::Segment))));
-    assert_eq!(at(9, 1), Ok(Some((true, instruments, Memory::LongSegment))));
-    // Flags are 0 or 1, memories 0 to 2.
-    for (place, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (33, 2), (9, 3), (1, 0xFF), (9, 0xFF)] {
+    // Flags are 0 or 1, memories 0 or 2.
+    for (place, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (33, 2), (9, 1), (9, 3), (1, 0xFF), (9, 0xFF)] {
         assert_eq!(at(place, byte), Err(ModelError::OutOfRange(Field::Layout)), "{place} {byte}");
     }
     for length in 0..LAYOUT.len() - 3 {

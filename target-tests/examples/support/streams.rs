@@ -8,7 +8,7 @@ use bearing_watch::{Counts, Estimate};
 use super::support::hash::Hash;
 use super::support::numbers::Numbers;
 
-/// Samples a segment: more than two blocks of two levels.
+/// Samples a segment.
 const SEGMENT: usize = 1200;
 const SEGMENTS: usize = 4;
 
@@ -31,7 +31,6 @@ pub struct Outcome {
 #[derive(Clone, Copy, Debug)]
 pub struct Outcomes {
     pub plain: Outcome,
-    pub two_level: Outcome,
     pub fading: Outcome,
 }
 
@@ -85,10 +84,9 @@ pub fn run(report: impl Fn(usize, &Outcomes)) {
         ($($number:literal $method:ident $structure:expr;)+) => { $({
             const STRUCTURE: Structure = $structure;
             planned!(Plain PlainSample $method Segment STRUCTURE);
-            planned!(TwoLevel TwoLevelSample $method LongSegment STRUCTURE);
             planned!(Faded FadedSample $method Fading STRUCTURE);
-            let (plain, two_level, fading) = (outcome_of(Plain), outcome_of(TwoLevel), outcome_of(Faded));
-            report($number, &Outcomes { plain, two_level, fading });
+            let (plain, fading) = (outcome_of(Plain), outcome_of(Faded));
+            report($number, &Outcomes { plain, fading });
         })+ };
     }
     streams! {

@@ -36,8 +36,7 @@ fn compare(name: &str, revision: &str) -> Result<&'static str> {
 }
 
 /// All features of the core but `internals`.
-const PROMISED_FEATURES: &str =
-    "alloc,bounded,defmt,embedded-can,embedded-hal,embedded-storage,nalgebra,signature,telemetry,watch";
+const PROMISED_FEATURES: &str = "alloc,bounded,defmt,embedded-hal,embedded-storage,signature,telemetry,watch";
 
 #[cfg(test)]
 mod tests {

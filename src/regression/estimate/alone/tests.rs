@@ -70,12 +70,9 @@ fn few_rows_constant_signals_and_nan_are_reasons() {
 /// u2 = c·u1, whatever c, initial value and length of the memory: nothing tells their parameters apart.
 #[test]
 fn dependent_inputs_have_no_estimate_by_any_memory() {
-    for (memory, lambda, rows) in [
-        (Memory::Segment, 1.0, 5000),
-        (Memory::LongSegment, 1.0, 5000),
-        (Memory::Fading, 0.99, 5000),
-        (Memory::Fading, 0.999, 20_000),
-    ] {
+    for (memory, lambda, rows) in
+        [(Memory::Segment, 1.0, 5000), (Memory::Fading, 0.99, 5000), (Memory::Fading, 0.999, 20_000)]
+    {
         let structure = Structure::new(1, 1, 1, 1, 1);
         let plan = RunTime::of(testing::regression(structure, Method::LeastSquares, memory)).unwrap();
         let (channels, mut regression) = (channels(), Regression::new(plan));
@@ -313,7 +310,7 @@ fn a_late_estimate_is_refused_and_three_missing_ones_bring_the_nominal_model_bac
 
 #[test]
 fn sums_go_on_in_another_place_as_in_their_own() {
-    for memory in [Memory::Segment, Memory::LongSegment, Memory::Fading] {
+    for memory in [Memory::Segment, Memory::Fading] {
         let structure = Structure::new(2, 1, 1, 1, 1).with_offset();
         let plan = RunTime::of(testing::regression(structure, Method::LeastSquares, memory)).unwrap();
         let constants = Regression { scale: constants().scale, ..Regression::new(plan) };
