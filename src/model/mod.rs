@@ -5,7 +5,6 @@
 
 mod bytes;
 mod checked;
-mod compile_time;
 mod constants;
 mod error;
 mod mark;

@@ -23,7 +23,7 @@ const COORDINATES: usize = 3;
 const DIRECTIONS: usize = 3;
 const CLASSES: usize = 3;
 
-bearing_watch::bounded_plan! {
+bearing_watch::plan! {
     /// A layout up to these lengths.
     pub struct AnyPlan(Bounds {
         channels: CHANNELS,
