@@ -56,7 +56,7 @@
 //! `embedded-hal` (the driver `ad2s1210`), `embedded-storage` (records in flash), `telemetry` (frames for a serial line
 //! or CAN, these also by the traits of a driver), `signature` (signed models, sealed states), `alloc` (the plan
 //! `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator, as the C interface
-//! needs them), `internals` (parts for this repository's tests and measurements; not stable).
+//! needs them).
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -120,18 +120,9 @@ pub use signal::{Angle, Average, ChannelSet, Counts, CountsPerTurn, Liveness, Li
 #[doc(hidden)]
 pub use defmt;
 
-/// Parts of the detector, for the tests and measurements of this repository; not stable.
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod internals {
-    pub use crate::decide::{Classification, MAX_SURPRISE};
-    pub use crate::regression::estimate::{Alone, Detached, Estimator, RegressionSolve, RegressionSums, is_stable};
-    pub use crate::regression::factor::{
-        Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle,
-    };
-    pub use crate::regression::{Inputs, Rows};
-    pub use crate::shaft::orders::{LAGS, MIN_BLOCKS};
-    pub use crate::shaft::solve::ShaftSolve;
-    pub use crate::shaft::state::{BRIDGE, Shaft, ShaftSums};
-    pub use crate::signal::Gate;
+/// Recursive estimation alone, for programs that want the parameters of a model of their signals and no verdict: least
+/// squares and instruments with forgetting, as the detector has them.
+pub mod recursive {
+    pub use crate::regression::estimate::{ClosedSegment, RecursiveEstimator, is_stable};
+    pub use crate::regression::factor::Triangle;
 }

@@ -11,6 +11,17 @@ pub mod strokes;
 
 use std::path::PathBuf;
 
+/// Output and both inputs of a regression at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inputs {
+    /// Output.
+    pub y: f32,
+    /// First input.
+    pub u1: f32,
+    /// Second input.
+    pub u2: f32,
+}
+
 /// A folder of the recorded data, which is not part of the repository: `BEARING_WATCH_DATA` or `../shared/data`.
 ///
 /// Where it is absent, prints a line saying that the calling test is skipped, and gives nothing.

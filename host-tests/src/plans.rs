@@ -1,6 +1,5 @@
 //! Plans, channels and constants of the core, from few numbers.
 
-use bearing_watch::internals::{Alone, Inputs};
 use bearing_watch::model::{
     Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature, Label, Name,
     Novelty, Projection, Regression, Sampling, ShaftConstants,
@@ -9,6 +8,10 @@ use bearing_watch::plan::Structure;
 use bearing_watch::plan::{
     Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, Signal,
 };
+use bearing_watch::{Detector, Model};
+
+use crate::Inputs;
+use crate::streams::Estimate;
 
 /// A regression alone, its structure chosen at run time. Output and inputs with terms have a channel each.
 #[derive(Clone, Debug)]
@@ -47,12 +50,21 @@ impl Setup {
         Self { plan, channels: self.channels.clone(), constants }
     }
 
-    /// An estimator with nothing sampled yet.
+    /// A detector with nothing sampled yet, whose segments have this length.
+    ///
+    /// # Panics
+    /// If the constants are refused.
     #[must_use]
-    pub fn stream(&self) -> Stream<'_> {
+    pub fn stream(&self, segment_samples: usize) -> Stream {
+        let layout = self.plan.layout();
+        let features: Vec<Feature> = (0..layout.features).map(Feature::Parameter).collect();
+        let limits: Vec<f32> = self.channels.iter().map(|channel| channel.limit).collect();
+        let mut constants = constants(self.plan, segment_samples as u32, &limits, &features, None);
+        (constants.channels, constants.regression) = (self.channels.clone(), vec![self.constants.clone()]);
+        let model = Box::leak(Box::new(Model::new(self.plan, constants).expect("good constants")));
         let sample = RunTimeSample { values: vec![0.0; self.channels.len()], ..RunTimeSample::default() };
-        let used = self.plan.layout().regression.map_or([false; 2], |r| [r.structure.nb > 0, r.structure.nc > 0]);
-        Stream { estimator: Alone::new(self.plan, &self.channels, &self.constants), sample, used }
+        let used = layout.regression.map_or([false; 2], |r| [r.structure.nb > 0, r.structure.nc > 0]);
+        Stream { detector: Detector::new(model), closed: None, sample, used }
     }
 }
 
@@ -78,23 +90,44 @@ pub fn layout(structure: Structure, method: Method, memory: Memory) -> Layout {
     }
 }
 
-/// An estimator that takes y, u1, u2.
+/// A detector that takes y, u1, u2.
 #[derive(Clone, Debug)]
-pub struct Stream<'m> {
-    /// The estimator.
-    pub estimator: Alone<'m, RunTime>,
+pub struct Stream {
+    /// The detector.
+    pub detector: Detector<'static, RunTime>,
+    closed: Option<Estimate>,
     sample: RunTimeSample,
     /// Whether the inputs have channels.
     used: [bool; 2],
 }
 
-impl Stream<'_> {
+impl Stream {
     /// Takes one sample.
     pub fn step(&mut self, Inputs { y, u1, u2 }: &Inputs) {
         let inputs = [u1, u2].into_iter().zip(self.used).filter(|(_, used)| *used).map(|(x, _)| x);
         let values = std::iter::once(y).chain(inputs);
         self.sample.values.iter_mut().zip(values).for_each(|(cell, x)| *cell = *x);
-        self.estimator.step(&self.sample);
+        if let Some(report) = self.detector.step(&self.sample) {
+            self.closed = report.estimate().cloned();
+        }
+    }
+
+    /// The estimate of the segment that the last sample has closed.
+    ///
+    /// # Panics
+    /// If it has closed none.
+    pub fn closed(&mut self) -> Estimate {
+        assert_eq!(self.detector.pending(), 0, "the last sample closes a segment");
+        self.closed.take().expect("a segment")
+    }
+
+    /// The estimate of the open segment, which stays open.
+    ///
+    /// # Panics
+    /// If there is no regression.
+    #[must_use]
+    pub fn open(&self) -> Estimate {
+        self.detector.preview().estimate().cloned().expect("a regression")
     }
 }
 

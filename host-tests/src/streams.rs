@@ -1,12 +1,12 @@
 //! The core's estimators as the tests set them up: scaled to the samples, from a plant's nominal model.
 
 use bearing_watch::Reason;
-use bearing_watch::internals::{Inputs, Mass, Problem, Solution, Solved, Triangle};
 use bearing_watch::model::Forgetting;
 use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Layout, Memory, Method, Plan, RegressionLayout, RunTime};
 use nalgebra::{DMatrix, DVector};
 
+use crate::Inputs;
 use crate::oracle::{self, Course, Fit};
 use crate::plans::Setup;
 use crate::plants::Plant;
@@ -42,6 +42,8 @@ pub fn fading(setup: &Setup, floor: f32) -> Setup {
     let plan = RunTime::of(Layout { regression, ..layout }).expect("the same columns");
     let mut fading = Setup { plan, ..setup.clone() };
     fading.constants.forgetting = Forgetting { lambda: 0.9999, floor };
+    // A memory that fades has a limit of rest; this one is met by any motion.
+    fading.constants.rest = fading.constants.rest.max(1e-12);
     fading
 }
 
@@ -83,26 +85,6 @@ pub fn outcome(estimate: Estimate) -> Result<Estimate, Reason> {
     estimate.reason.map_or(Ok(estimate), Err)
 }
 
-/// Scaled parameters of a factor of least-squares rows; `rows` is the number of rows in it.
-///
-/// # Panics
-/// If the rows do not excite every parameter.
-#[must_use]
-pub fn solve(triangle: &Triangle<Vec<f32>, Vec<f32>>, rows: f32) -> Vec<f32> {
-    let mut triangle = triangle.clone();
-    let n = triangle.columns() - 1;
-    let (d, r) = triangle.parts_mut();
-    let (scale, mass) = (vec![1.0; n + 1], Mass { rows, spread: 1.0 });
-    let problem = &mut Problem { d, r, inputs: n, outputs: 0, scale: &scale, base: &[], mass, gain: 1.0 };
-    let (mut delta, mut covariance, mut variance) = (vec![0.0; n], vec![0.0; n * (n + 1) / 2], 0.0);
-    let mut work = vec![0.0; n];
-    let solved =
-        &mut Solved { delta: &mut delta, covariance: &mut covariance, variance: &mut variance, work: &mut work };
-    let mut solution = Solution::new::<true>(problem, solved).expect("a solution");
-    while !solution.add_column::<true>(problem, solved) {}
-    delta
-}
-
 /// Covariance of the δ-parameters without the constant.
 #[must_use]
 pub fn covariance(estimate: &Estimate, terms: usize) -> DMatrix<f64> {
@@ -128,11 +110,11 @@ impl Run {
     pub fn new(setup: &Setup, samples: &[Inputs], length: usize) -> Self {
         let structure = setup.plan.layout().regression.expect("a regression").structure;
         let mut auxiliaries = vec![(0, oracle::raw(structure, &setup.constants.nominal))];
-        let mut stream = setup.stream();
+        let mut stream = setup.stream(length);
         let mut segments = vec![];
         for (number, segment) in samples.chunks_exact(length).enumerate() {
             segment.iter().for_each(|sample| stream.step(sample));
-            let result = outcome(stream.estimator.close());
+            let result = outcome(stream.closed());
             if let Ok(estimate) = &result {
                 auxiliaries.push(((number + 1) * length, oracle::raw(structure, estimate.delta())));
             }

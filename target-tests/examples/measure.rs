@@ -10,9 +10,9 @@ mod model;
 use core::hint::black_box;
 
 use bearing_watch::drive::{AlphaBeta, RotorFrame};
-use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{Channel, FeatureValue, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Plan};
+use bearing_watch::recursive::{RecursiveEstimator, Triangle};
 use bearing_watch::{Angle, Detector, Evidence, Exchange, Model, Monitor, Park, Segment};
 
 use support::count::Counter;
@@ -134,7 +134,7 @@ fn estimator<P: Plan>(
     let samples: [P::Sample; 256] = core::array::from_fn(|_| convert(plant.sample()));
     let kinds = [(&without, &plain, "sample"), (&with, &guarded, "sample, stuck sensor and outliers told")];
     for (channels, constants, what) in kinds {
-        let mut alone = Alone::new(plan, black_box(channels), black_box(constants));
+        let mut alone = RecursiveEstimator::new(plan, black_box(channels), black_box(constants));
         samples.iter().cycle().take(300).for_each(|sample| alone.step(sample));
         let mut next = samples.iter().cycle();
         let mut worst = 0;
@@ -148,7 +148,7 @@ fn estimator<P: Plan>(
         line(format_args!("{name} {what}"), 8, step, Some(size_of_val(&alone)));
         line(format_args!("{name} {what}, worst of 64"), 8, worst, None);
     }
-    let mut alone = Alone::new(plan, &with, &guarded);
+    let mut alone = RecursiveEstimator::new(plan, &with, &guarded);
     samples.iter().cycle().take(500).for_each(|sample| alone.step(sample));
     let mut closed = alone.clone().detach();
     let solve = counter.instructions_once(|| while black_box(&mut closed).advance(black_box(&guarded)).is_none() {});

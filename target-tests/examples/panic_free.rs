@@ -26,6 +26,8 @@ mod numbers;
 #[allow(dead_code, reason = "no bits are wanted here")]
 #[path = "support/raw.rs"]
 mod raw;
+#[path = "support/recursive_calls.rs"]
+mod recursive_calls;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "../../examples/support/refined.rs"]
 mod refined;
@@ -231,6 +233,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
         telemetry_calls::record(model, &sample, |error| show(error));
     }
     monitor_calls::exchange(model, || sample(numbers.array()));
+    recursive_calls::run(model, || sample(numbers.array()));
     opaque((Detector::pending(&detector), Detector::counts(&detector), Detector::preview(&detector)));
     told(model, &opaque(Detector::finish(&mut detector)));
     Detector::discard(opaque(&mut detector));

@@ -240,6 +240,17 @@ mod tests {
         assert!(woken > 900, "{woken}");
     }
 
+    /// No validated model passes such a row: the square of 1e30 is beyond the range of single precision.
+    #[test]
+    fn poisoned_sums_are_dropped_with_the_segment() {
+        let mut fading = Sums::new(Endless);
+        rows(100).for_each(|(cells, _)| assert!(add(&mut fading, Memory::Fading, (cells, 10.0))));
+        add(&mut fading, Memory::Fading, ([1e30, 0.0, 0.0], 10.0));
+        assert!(!fading.triangle().is_finite());
+        fading.next_segment(Memory::Fading);
+        assert_eq!(fading, Sums::new(Endless));
+    }
+
     #[test]
     fn the_mass_of_a_memory_that_fills_is_that_of_its_weights() {
         let mut fading = Sums::new(Endless);

@@ -93,7 +93,6 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
     }
 
     /// The diagonal, and R packed by rows.
-    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn parts(&self) -> (&[f32], &[f32]) {
         (self.d.cells(), self.r.cells())

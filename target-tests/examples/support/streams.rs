@@ -1,8 +1,8 @@
 //! Whole streams through every estimator: segments, bad samples, delays; solved at once, deferred, and in steps.
 
-use bearing_watch::internals::Alone;
 use bearing_watch::model::{Channel, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Layout, Memory, Method, Plan, RegressionLayout, Structure};
+use bearing_watch::recursive::RecursiveEstimator;
 use bearing_watch::{Counts, Estimate};
 
 use super::support::hash::Hash;
@@ -148,7 +148,7 @@ fn outcome<P: Three>(plan: P, way: Way) -> Outcome {
     ];
     let [y, ..] = named;
     let channels = Cells::from_fn(named.len(), |place| named.get(place).copied().unwrap_or(y));
-    let mut stream = Alone::new(plan, &channels, &constants);
+    let mut stream = RecursiveEstimator::new(plan, &channels, &constants);
     let mut plant = Plant::new(layout.structure);
     for _ in 0..SEGMENTS {
         (0..SEGMENT).for_each(|_| stream.step(&P::sample(plant.sample())));

@@ -14,9 +14,9 @@
 
 use std::borrow::Cow;
 
-use bearing_watch::internals::is_stable;
 use bearing_watch::model::{Channel, Forgetting, MAX_LAMBDA, Regression};
 use bearing_watch::plan::{MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout, RunTime, Signal};
+use bearing_watch::recursive::is_stable;
 use nalgebra::DVector;
 use rayon::prelude::*;
 

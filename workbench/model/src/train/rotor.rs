@@ -9,7 +9,7 @@
 //! to six blocks apart, which tells orders apart that differ by 1/(7 L), and searches slips up to s, by which an order
 //! O changes by O q s. The highest order limits L, since its phase must not turn by more than half a turn in a block.
 
-use bearing_watch::internals::LAGS;
+use bearing_watch::model::LAGS;
 use bearing_watch::model::{TrackedOrder, Tracking};
 use bearing_watch::plan::RunTime;
 

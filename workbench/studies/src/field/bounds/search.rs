@@ -18,7 +18,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bearing_watch::internals::LAGS;
+use bearing_watch::model::LAGS;
 use bearing_watch::model::Tracking;
 use bearing_watch::plan::RunTime;
 use rand_chacha::ChaCha8Rng;
