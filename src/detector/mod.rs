@@ -137,7 +137,7 @@ impl<'m, 's, P: Plan> Detector<'m, P, &'s mut Segment<P>> {
             self.next_segment();
             return Exchange::Lost;
         };
-        if !place.clear || place.model != self.model.mark() {
+        if !place.clear || place.model != self.model.id() {
             place.clear(self.model);
         }
         let closed = core::mem::replace(&mut self.open, place);
@@ -194,7 +194,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
         let (Some(estimator), Some(regression), Some(estimate)) = parts else { return false };
-        report.model == self.model.mark() && estimator.adopt(plan, regression, estimate)
+        report.model == self.model.id() && estimator.adopt(plan, regression, estimate)
     }
 
     /// Takes one sample; returns whether the segment is full.
@@ -255,7 +255,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
             segment.rows = sums.count;
         }
         (segment.whole, segment.clear, segment.failed) = (whole, false, arithmetic_test().err());
-        (segment.model, segment.sequence) = (self.model.mark(), self.sequence);
+        (segment.model, segment.sequence) = (self.model.id(), self.sequence);
     }
 
     fn counted(&self, segment: &Segment<P>) -> Counts {
@@ -273,7 +273,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
         let (Some(estimator), Some(regression), Some(estimate)) = parts else { return };
-        if report.model == self.model.mark() {
+        if report.model == self.model.id() {
             estimator.offer(plan, regression, estimate);
         }
     }

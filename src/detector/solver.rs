@@ -145,7 +145,7 @@ impl<P: Plan> Solve<P> {
         let (plan, constants) = (model.plan(), model.constants());
         let shaft = report.shaft.part().zip(constants.balance());
         let estimates = (report.estimate.part(), shaft, report.averages.cells());
-        let decision = report.decision.get_or_insert_with(|| Decision { model: model.mark(), ..Decision::empty(plan) });
+        let decision = report.decision.get_or_insert_with(|| Decision { model: model.id(), ..Decision::empty(plan) });
         self.classification.step(plan, &constants.classifier, estimates, decision)
     }
 
@@ -163,10 +163,10 @@ impl<P: Plan> Solve<P> {
 /// Starts the report; `false` if nothing is concluded from the segment, whatever is in it.
 #[inline(never)]
 fn start<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>) -> bool {
-    (report.counts, report.rows, report.model) = (segment.counts, segment.rows, model.mark());
+    (report.counts, report.rows, report.model) = (segment.counts, segment.rows, model.id());
     // The main loop may have other settings of the processor than the interrupt.
     let failed = segment.failed.or_else(|| arithmetic_test().err()).map(Reason::Arithmetic);
-    let reason = if segment.model == model.mark() { failed } else { Some(Reason::OtherModel) };
+    let reason = if segment.model == model.id() { failed } else { Some(Reason::OtherModel) };
     if let Some(reason) = reason {
         report.verdict = Verdict::Undetermined(reason);
         return false;

@@ -7,7 +7,7 @@ mod bytes;
 mod checked;
 mod constants;
 mod error;
-mod mark;
+mod identity;
 mod parts;
 mod ranges;
 mod reader;
@@ -32,7 +32,7 @@ pub use checked::Model;
 pub use constants::Constants;
 pub use error::{Field, ModelError};
 #[doc(hidden)]
-pub use mark::mark;
+pub use identity::identity;
 #[doc(hidden)]
 pub use parts::{Parts, RegressionParts, RunParts, ShaftParts};
 pub use sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};

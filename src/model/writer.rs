@@ -5,7 +5,6 @@ use super::{
     Background, Blocks, Channel, Classifier, Constants, Covariate, Direction, Directions, Discriminant, Feature, Lags,
     ModelError, Regression, Rise, ShaftConstants, StateVariable,
 };
-use crate::checksum::Crc32;
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
 use crate::reason::FrictionTerm;
 use crate::signal::Park;
@@ -27,20 +26,6 @@ impl Sink for Buffer<'_> {
         let cells = self.free.get_mut(self.written..end).ok_or(ModelError::BufferTooSmall)?;
         cells.iter_mut().zip(bytes).for_each(|(cell, byte)| *cell = *byte);
         self.written = end;
-        Ok(())
-    }
-}
-
-/// Checksum and number of the bytes, without a buffer.
-pub(super) struct Sum {
-    pub(super) crc: Crc32,
-    pub(super) count: usize,
-}
-
-impl Sink for Sum {
-    fn take(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
-        self.crc.add(bytes);
-        self.count = self.count.saturating_add(bytes.len());
         Ok(())
     }
 }

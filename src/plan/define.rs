@@ -220,14 +220,14 @@ macro_rules! plan {
             pub const fn model(
                 constants: $crate::model::Constants<Self>,
             ) -> Result<$crate::Model<Self>, $crate::ModelError> {
-                let mark = {
+                let id = {
                     let parts = $crate::plan!(@parts coerced, Self, &constants, $layout, $channels);
                     if let Err(error) = $crate::model::check(&parts) {
                         return Err(error);
                     }
-                    $crate::model::mark(&parts)
+                    $crate::model::identity(&parts)
                 };
-                Ok($crate::Model::marked(Self, constants, mark))
+                Ok($crate::Model::identified(Self, constants, id))
             }
         }
     };

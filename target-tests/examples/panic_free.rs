@@ -266,7 +266,7 @@ fn about<P: Plan>(model: &Model<P>) {
     let (plan, constants) = (Model::plan(model), Model::constants(model));
     let layout = opaque(<P as Plan>::layout(plan));
     opaque(<P as Plan>::of(layout).is_some());
-    opaque((Model::label(model, opaque(200)), <P as Plan>::channels(), Model::mark(model)));
+    opaque((Model::label(model, opaque(200)), <P as Plan>::channels()));
     opaque(Model::verdict_name(model, opaque(Verdict::Novel)));
     if let Err(error) = Model::check_interval(model, opaque(0.001)) {
         show(error);

@@ -35,10 +35,9 @@ const CALLING: [&str; 10] = [
     "support/telemetry_calls.rs",
     "support/watch_calls.rs",
 ];
-/// Not for programs of a drive: hidden helpers of macros and constants. And the
-/// verification of a signature, whose crate has index checks that the compiler cannot prove; all of it but the
-/// arithmetic is `Trust::verify_with`.
-const ELSEWHERE: [&str; 6] = ["Model::checked", "Model::marked", "ModelError::name", "Trust::verify", "check", "mark"];
+/// Not for programs of a drive: hidden helpers of macros and constants. And the verification of a signature, whose crate
+/// has index checks that the compiler cannot prove; all of it but the arithmetic is `Trust::verify_with`.
+const ELSEWHERE: [&str; 5] = ["Model::identified", "ModelError::name", "Trust::verify", "check", "identity"];
 
 /// How a public function starts.
 const PUBLIC: &[&str] = &["pub fn ", "pub const fn "];
