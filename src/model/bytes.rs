@@ -17,6 +17,8 @@ use crate::plan::{Layout, Plan};
 const MAGIC: [u8; 4] = *b"BWMD";
 const VERSION: u16 = 11;
 const HEADER: usize = 16;
+/// The model has what only a newer build knows.
+pub(super) const NEWER: ModelError = ModelError::Version { given: VERSION + 1, supported: VERSION };
 /// Largest length of payload and of notes; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
 

@@ -102,19 +102,7 @@ impl Mixed {
     }
 
     const fn feature(self, feature: Feature) -> Self {
-        let (kind, place) = match feature {
-            Feature::Parameter(place) => (0, place),
-            Feature::LogVariance => (1, 0),
-            Feature::Friction(term) => (2, term as u8),
-            Feature::FrictionScore(term) => (3, term as u8),
-            Feature::LogFrictionVariance => (4, 0),
-            Feature::OrderScore(place) => (5, place),
-            Feature::LogOrderAmplitude(place) => (6, place),
-            Feature::LogFriction(term) => (7, term as u8),
-            Feature::ChannelMean(channel) => (8, channel),
-            Feature::ChannelRms(channel) => (9, channel),
-        };
-        self.word(kind).word(place as u32)
+        self.word(u16::from_le_bytes(feature.code()) as u32)
     }
 
     const fn features(self, features: &[Feature]) -> Self {

@@ -6,7 +6,6 @@ use super::{
     ModelError, Regression, Rise, ShaftConstants, StateVariable,
 };
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
-use crate::reason::FrictionTerm;
 use crate::signal::Park;
 
 /// Where the bytes go.
@@ -74,22 +73,7 @@ impl<S: Sink> Writer<S> {
     }
 
     pub(crate) fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
-        let place = |term: FrictionTerm| {
-            let places = (0_u8..).zip(FrictionTerm::ALL);
-            places.into_iter().find(|(_, other)| *other == term).map_or(0, |(place, _)| place)
-        };
-        self.bytes(&match feature {
-            Feature::Parameter(place) => [0, place],
-            Feature::LogVariance => [1, 0],
-            Feature::Friction(term) => [2, place(term)],
-            Feature::FrictionScore(term) => [3, place(term)],
-            Feature::LogFrictionVariance => [4, 0],
-            Feature::OrderScore(place) => [5, place],
-            Feature::LogOrderAmplitude(place) => [6, place],
-            Feature::LogFriction(term) => [7, place(term)],
-            Feature::ChannelMean(channel) => [8, channel],
-            Feature::ChannelRms(channel) => [9, channel],
-        })
+        self.bytes(&feature.code())
     }
 }
 

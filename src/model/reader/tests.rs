@@ -147,8 +147,11 @@ fn features_are_those_of_their_bytes_and_no_others() {
     for (kind, place, feature) in expected {
         assert_eq!(read(kind, place), Ok(feature));
     }
-    for (kind, place) in [(10, 0), (0xFF, 0), (2, 8), (3, 0xFF), (7, 8)] {
+    for (kind, place) in [(2, 8), (3, 0xFF), (7, 8)] {
         assert_eq!(read(kind, place), Err(ModelError::OutOfRange(Field::Feature)), "{kind} {place}");
+    }
+    for kind in [10, 0xFF] {
+        assert_eq!(read(kind, 0), Err(ModelError::Version { given: 12, supported: 11 }), "{kind}");
     }
 }
 
