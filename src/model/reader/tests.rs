@@ -6,6 +6,7 @@ use std::vec::Vec;
 use super::*;
 use crate::decide::{Law, Rise};
 use crate::plan::RunTime;
+use crate::reason::FrictionTerm;
 
 /// Bytes whose numbers are 1, 2, 3 … in their order.
 #[derive(Default)]
