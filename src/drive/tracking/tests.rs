@@ -8,6 +8,13 @@ use super::*;
 use crate::drive::RotorFrame;
 use crate::signal::{AlphaBeta, Park};
 
+impl PositionTracker {
+    /// The velocity ω̂ of the loop, rad/s; late by 2ζ/ωₙ.
+    fn velocity_rad_s(&self) -> f32 {
+        self.velocity as f32 * (RAD * self.rate_hz)
+    }
+}
+
 const RATE_HZ: f64 = 10_000.0;
 const RESOLVER: ResolverLimits = ResolverLimits { low: 0.7, high: 1.3, mismatch: 0.1 };
 /// ωₙ = 2π 146 rad/s.
