@@ -7,9 +7,8 @@
 use bearing_watch::Reason;
 use host_tests::Inputs;
 use host_tests::oracle::{self, Fit, Record};
-use host_tests::plans::Setup;
 use host_tests::plants::{PLANTS, Plant};
-use host_tests::streams::{Estimate, covariance, fading, least_squares, outcome, refined, rho, single};
+use host_tests::streams::{Estimate, Setup, covariance, fading, least_squares, outcome, refined, rho, single};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
