@@ -1,5 +1,5 @@
 //! The interrupt samples, the main loop solves: [`Detector::exchange`](bearing_watch::Detector::exchange) returns the
-//! place with the sums of a closed segment, `Monitor::conclude_from` (or `Monitor::take_from` and `Monitor::advance`, a
+//! place with the sums of a closed segment, `Monitor::take_from` takes it, `Monitor::complete` (or `Monitor::advance`, a
 //! step at a time) makes the report, and `Detector::adopt` makes its estimate the auxiliary model. Three ways print the
 //! same bits: solved at once in the interrupt, solved as a whole in the main loop, and solved there in steps. The
 //! program fails if the bits differ, if a segment was lost, or if an estimate came too late to be adopted.
@@ -112,7 +112,14 @@ fn run() {
     timer::start(Shared::new(places, (closing, freed)));
     let mut closed = Closed { places: closed, free };
     let mut monitor = Monitor::new(&MODEL);
-    let whole = deferred("whole", &mut closed, |place| monitor.conclude_from(place).report.clone());
+    let whole = deferred("whole", &mut closed, |place| {
+        monitor.take_from(place);
+        loop {
+            if let Some(now) = monitor.complete() {
+                return now.report.clone();
+            }
+        }
+    });
     let mut steps = 0;
     let in_steps = deferred("in steps", &mut closed, |place| {
         let (report, count) = conclude_in_steps(&mut monitor, place);

@@ -1,28 +1,29 @@
 //! Bearing-fault detection next to the current loop, from signals that a motor drive already has.
 //!
 //! ```
-//! use bearing_watch::{Detector, Monitor, Verdict};
-//! // `bearing-watch train --rust model.rs` writes this module: the plan `Drive`, its `Sample`, and `MODEL`.
-//! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
-//! use model::{MODEL, Sample};
+//! // `bearing-watch train … --front-end front_end.toml --rust model.rs` writes this module.
+//! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/actuator/model.rs")); }
+//! use model::{FRONT_END, MODEL, Reading, WATCH};
+//! use bearing_watch::watch::StartError;
 //!
-//! let mut detector = Detector::new(&MODEL); // of the sampling interrupt
-//! let mut monitor = Monitor::new(&MODEL); // of the main loop
-//! for k in 0..10_000 {
-//!     // On a drive: the quadrature current, the velocity reference and the load at each sampling instant.
-//!     let t = 0.002 * k as f32;
-//!     let sample = Sample { current_a: t.sin(), velocity_ref_rad_s: 40.0 * t.cos(), load_torque_nm: 0.1 };
-//!     if let Some(segment) = detector.collect(&sample) {
-//!         let now = monitor.conclude(segment);
-//!         match now.report.verdict {
-//!             Verdict::Class(class) => println!("{}", MODEL.label(class)),
-//!             Verdict::Novel | Verdict::Ambiguous => println!("unknown"),
-//!             Verdict::Undetermined(reason) => println!("no verdict: {reason}"),
-//!         }
-//!         if let Some(alarm) = now.alarm {
-//!             println!("alarm since segment {}", alarm.segment);
-//!         }
-//!     }
+//! /// At boot: checks model, constants and processor; a wrong one is an error with its reason.
+//! pub fn start() -> Result<(), StartError> {
+//!     WATCH.start(&MODEL, &FRONT_END)
+//! }
+//!
+//! /// In the interrupt of the current loop, with raw counts by name; returns whether to request the interrupt below it.
+//! pub fn current_loop(reading: Reading) -> bool {
+//!     WATCH.sample(reading)
+//! }
+//!
+//! /// In an interrupt below the current loop, once a clean sample: the detector.
+//! pub fn below() {
+//!     WATCH.collect();
+//! }
+//!
+//! /// In the main loop: verdict and alarm, once in a few seconds.
+//! pub fn main_loop() -> Option<bool> {
+//!     WATCH.advance(|now| now.alarm.is_some())
 //! }
 //! ```
 //!
@@ -40,23 +41,22 @@
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    Detector, of the interrupt: samples ─► Segment;   Monitor, of the main loop: Segment ─► Report, Alarm
 //!             alarm as bytes
-//! watch       front end, detector and monitor as one static, for interrupts and main loop, on request
+//! watch       front end, detector and monitor as one static, for interrupts and main loop
 //! storage     records in flash that survive power-off
 //! telemetry   reports and samples as frames for a serial line, and their decoder; reports as frames for CAN
 //! signature   signed models, and saved states under a key of the drive
 //! ```
 //!
-//! A [`Model`] holds trained constants (flash). A [`Detector`] is what the sampling interrupt owns, and a [`Monitor`]
-//! what the main loop owns. All take one type parameter, the plan ([`plan!`]). The crate is `no_std`, allocates nothing
-//! (but for the host's feature `alloc`), contains no `unsafe`, and uses no fused multiply-add: the same samples give
-//! the same bits on a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
+//! A [`Model`] holds trained constants (flash). A [`watch::Watch`] holds the rest: front end, [`Detector`] and
+//! [`Monitor`]. All take one type parameter, the plan ([`plan!`]). The crate is `no_std`, allocates nothing (but for the
+//! host's feature `alloc`), contains no `unsafe`, and uses no fused multiply-add: the same samples give the same bits on
+//! a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
 //!
-//! Features: `watch` ([`watch::Watch`], one object for interrupts and main loop), `defmt` (formats, and a log line for
-//! each segment), `embedded-hal` (the driver `ad2s1210`), `embedded-storage` (records in flash), `telemetry` (frames for
-//! a serial line or CAN), `embedded-can` (those for CAN by the traits of a driver), `signature` (signed models, sealed
-//! states), `nalgebra` (conversions of covariance and projection), `alloc` (the plan `RunTime` of host programs),
-//! `bounded` (array lengths that a model brings, without an allocator, as the C interface needs them), `internals`
-//! (parts for this repository's tests and measurements; not stable).
+//! Features: `watch` ([`watch::Watch`]; on by default), `defmt` (formats, and a log line for each segment),
+//! `embedded-hal` (the driver `ad2s1210`), `embedded-storage` (records in flash), `telemetry` (frames for a serial line
+//! or CAN, these also by the traits of a driver), `signature` (signed models, sealed states), `alloc` (the plan
+//! `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator, as the C interface
+//! needs them).
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -120,19 +120,9 @@ pub use signal::{Angle, Average, ChannelSet, Counts, CountsPerTurn, Liveness, Li
 #[doc(hidden)]
 pub use defmt;
 
-/// Parts of the detector, for the tests and measurements of this repository; not stable.
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod internals {
-    pub use crate::decide::{Classification, MAX_SURPRISE};
-    pub use crate::detector::{Solver, conclude};
-    pub use crate::regression::estimate::{Alone, Detached, Estimator, RegressionSolve, RegressionSums, is_stable};
-    pub use crate::regression::factor::{
-        Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle,
-    };
-    pub use crate::regression::{Inputs, Rows};
-    pub use crate::shaft::orders::{LAGS, MIN_BLOCKS};
-    pub use crate::shaft::solve::ShaftSolve;
-    pub use crate::shaft::state::{BRIDGE, Shaft, ShaftSums};
-    pub use crate::signal::Gate;
+/// Recursive estimation alone, for programs that want the parameters of a model of their signals and no verdict: least
+/// squares and instruments with forgetting, as the detector has them.
+pub mod recursive {
+    pub use crate::regression::estimate::{ClosedSegment, RecursiveEstimator, is_stable};
+    pub use crate::regression::factor::Triangle;
 }

@@ -1,7 +1,7 @@
 //! The report of a segment, which the detector makes and telemetry sends.
 
 pub use crate::decide::Verdict;
-use crate::decide::{Decision, UNMARKED};
+use crate::decide::{Decision, NO_MODEL};
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::{Part, Reason};
 use crate::regression::estimate::Estimate;
@@ -27,7 +27,7 @@ pub struct Report<P: Plan> {
     pub(crate) averages: Averages<P>,
     /// Of each rising coordinate; the first is not used.
     pub(crate) smallest: Array<P::Laws, f32>,
-    /// The mark of the model.
+    /// The id of the model.
     pub(crate) model: u32,
 }
 
@@ -45,7 +45,7 @@ impl<P: Plan> Report<P> {
             shaft: P::Watched::part(layout.watched() == 1, || ShaftEstimate::empty(plan)),
             averages: crate::signal::average::empty(plan),
             smallest: Cells::filled(layout.laws(), f32::INFINITY),
-            model: UNMARKED,
+            model: NO_MODEL,
         }
     }
 

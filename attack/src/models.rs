@@ -81,7 +81,7 @@ pub fn regression(kind: usize) -> Option<Model<RunTime>> {
     ];
     let structure = STRUCTURES[kind % STRUCTURES.len()];
     let method = [Method::LeastSquares, Method::Instruments][kind / STRUCTURES.len() % 2];
-    let memory = [Memory::Segment, Memory::LongSegment, Memory::Fading][kind / (2 * STRUCTURES.len()) % 3];
+    let memory = [Memory::Segment, Memory::Fading][kind / (2 * STRUCTURES.len()) % 2];
     let plan = RunTime::of(run_time::layout(structure, method, memory))?;
     let features: Vec<Feature> = (0..structure.parameters() as u8).map(Feature::Parameter).collect();
     let mut constants = run_time::constants(plan, SHORT, &[32.0, 32.0, 32.0], &features, None);

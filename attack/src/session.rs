@@ -1,9 +1,8 @@
 //! Calls of a detector, and of all that belongs to it, in any order.
 
 use bearing_watch::drive::RotorFrame;
-use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch::{Angle, Detector, Evidence, Model, Report, Segment, Verdict};
+use bearing_watch::{Angle, Detector, Evidence, Exchange, Model, Monitor, Report, Segment, Verdict};
 
 use crate::input::Input;
 use crate::models::numbers::Numbers;
@@ -17,9 +16,10 @@ const ORDINARY: usize = 400;
 const STATE: usize = 512;
 
 /// A detector in use.
-struct Session<'m, P: Plan> {
+struct Session<'m, 's, P: Plan> {
     model: &'m Model<P>,
-    detector: Detector<'m, P>,
+    detector: Detector<'m, P, &'s mut Segment<P>>,
+    spare: Option<&'s mut Segment<P>>,
     evidence: Evidence<P>,
     /// Of ordinary samples.
     numbers: Numbers,
@@ -30,9 +30,11 @@ struct Session<'m, P: Plan> {
 
 /// Makes the calls of an input. Every result is finite; nothing panics.
 pub fn run<P: Plan>(model: &Model<P>, input: &mut Input<'_>) {
+    let [mut first, mut second] = [(); 2].map(|()| Segment::new(model));
     let mut session = Session {
         model,
-        detector: Detector::new(model),
+        detector: Detector::with_place(model, &mut first),
+        spare: Some(&mut second),
         evidence: Evidence::new(model),
         numbers: Numbers(u32::from(input.byte())),
         angle: Angle::ZERO,
@@ -45,7 +47,7 @@ pub fn run<P: Plan>(model: &Model<P>, input: &mut Input<'_>) {
     session.report(&mut last);
 }
 
-impl<P: Plan> Session<'_, P> {
+impl<P: Plan> Session<'_, '_, P> {
     fn call(&mut self, input: &mut Input<'_>) {
         match input.byte() % 16 {
             0 | 1 => {
@@ -66,16 +68,12 @@ impl<P: Plan> Session<'_, P> {
                 let how = input.byte();
                 for _ in 0..self.some(input) {
                     let sample = self.ordinary();
-                    if let Some(segment) = self.detector.collect(&sample) {
-                        self.conclude(segment, how);
-                    }
+                    self.collect(&sample, || how);
                 }
             }
             8 => {
                 let sample = wild::<P>(input);
-                if let Some(segment) = self.detector.collect(&sample) {
-                    self.conclude(segment, input.byte());
-                }
+                self.collect(&sample, || input.byte());
             }
             9 => {
                 let report = self.detector.preview();
@@ -122,19 +120,23 @@ impl<P: Plan> Session<'_, P> {
         values.get(..usize::from(self.model.plan().layout().channels)).unwrap_or(values)
     }
 
-    /// Concludes a closed segment in any way. Pieces give the same bits as the whole.
-    fn conclude(&mut self, segment: Segment<P>, how: u8) {
-        let mut report = if how & 1 == 0 {
-            conclude(self.model, segment)
-        } else {
-            let mut solver = Solver::new(self.model, segment);
+    /// Gives the detector a sample, and concludes the segment that it closes in any way. Pieces give the same bits as
+    /// the whole.
+    fn collect(&mut self, sample: &P::Sample, how: impl FnOnce() -> u8) {
+        let Exchange::Closed(place) = self.detector.exchange(sample, &mut self.spare) else { return };
+        let how = how();
+        let mut monitor = Monitor::new(self.model);
+        monitor.take_from(place);
+        self.spare = Some(place);
+        if how & 1 != 0 {
             for _ in 0..how {
-                if let Some(report) = solver.advance() {
-                    finite::report(report);
+                if let Some(now) = monitor.advance() {
+                    finite::report(now.report);
                 }
             }
-            solver.finish()
-        };
+        }
+        monitor.complete();
+        let Some(mut report) = monitor.report().cloned() else { return };
         if how & 2 != 0 {
             let _late = self.detector.adopt(&report);
         }

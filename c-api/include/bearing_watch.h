@@ -1073,8 +1073,8 @@ size_t bw_state_size(void);
 // NULL or has `length` readable bytes. `state` is NULL or writable. No other function works on the state.
 BW_MUST_CHECK BwCode bw_init(void *memory, size_t size, const uint8_t *model, size_t length, struct BwState **state);
 
-// Makes a state with the model that the library was built with (`BEARING_WATCH_PLAN=model.rs`), whose `BW_MODEL_MARK`
-// is `mark`, and gives its address in `state`. Nothing is read or checked when it runs: the compiler has done that. It
+// Makes a state with the model that the library was built with (`BEARING_WATCH_PLAN=model.rs`), whose `BW_MODEL_ID`
+// is `id`, and gives its address in `state`. Nothing is read or checked when it runs: the compiler has done that. It
 // needs less memory than `bw_init`, little stack, and half of the flash.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_MODEL_DOES_NOT_FIT` if the library was built with another model or with none, or what
@@ -1083,7 +1083,7 @@ BW_MUST_CHECK BwCode bw_init(void *memory, size_t size, const uint8_t *model, si
 // # Safety
 // `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `state` is
 // NULL or writable. No other function works on the state.
-BW_MUST_CHECK BwCode bw_init_own(void *memory, size_t size, uint32_t mark, struct BwState **state);
+BW_MUST_CHECK BwCode bw_init_own(void *memory, size_t size, uint32_t id, struct BwState **state);
 
 // Takes one sample in the sampling interrupt, in time that hardly depends on the data. `values` are the channels in
 // the order of the model, in the unit that each name says; `angle` is the shaft's (`bw_angle`), 0 if the model needs

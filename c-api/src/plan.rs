@@ -63,7 +63,7 @@ pub const BW_MAX_PROJECTION: usize = 144;
 /// class.
 pub const BW_MAX_DENSITIES: usize = 234;
 
-bearing_watch::bounded_plan! {
+bearing_watch::plan! {
     /// The plan of models up to the largest sizes above.
     pub struct AnyModel(Bounds {
         channels: BW_MAX_CHANNELS,

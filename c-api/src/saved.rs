@@ -49,7 +49,7 @@ pub(crate) unsafe fn save<'a>(state: *mut BwState, bytes: *mut u8, capacity: usi
     }
     // SAFETY: writable by the contract; no other reference to them exists during this call.
     let buffer = unsafe { elements_mut(bytes, size) }?;
-    state.settled(|monitor| monitor.save_within_run(buffer))?.map_err(refusal)?;
+    state.settled(|monitor| monitor.evidence().save(state.model, buffer))?.map_err(refusal)?;
     Ok((buffer, state.model.id()))
 }
 

@@ -286,8 +286,8 @@ unsafe fn init(
     }
 }
 
-/// Makes a state with the model that the library was built with (`BEARING_WATCH_PLAN=model.rs`), whose `BW_MODEL_MARK`
-/// is `mark`, and gives its address in `state`. Nothing is read or checked when it runs: the compiler has done that. It
+/// Makes a state with the model that the library was built with (`BEARING_WATCH_PLAN=model.rs`), whose `BW_MODEL_ID`
+/// is `id`, and gives its address in `state`. Nothing is read or checked when it runs: the compiler has done that. It
 /// needs less memory than `bw_init`, little stack, and half of the flash.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_MODEL_DOES_NOT_FIT` if the library was built with another model or with none, or what
@@ -298,11 +298,11 @@ unsafe fn init(
 /// NULL or writable. No other function works on the state.
 #[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bw_init_own(memory: *mut c_void, size: usize, mark: u32, state: *mut *mut BwState) -> BwCode {
+pub unsafe extern "C" fn bw_init_own(memory: *mut c_void, size: usize, id: u32, state: *mut *mut BwState) -> BwCode {
     let init = || {
         check(state)?;
         let own: *mut BwState = room(memory, size)?;
-        let model = own_model().filter(|model| model.mark() == mark).ok_or(BwCode::ModelDoesNotFit)?;
+        let model = own_model().filter(|model| model.id() == id).ok_or(BwCode::ModelDoesNotFit)?;
         // SAFETY: the memory is large enough, aligned, and writable by the contract, and no other function works on it.
         unsafe {
             (&raw mut (*own).0.tag).write(Tag::none());

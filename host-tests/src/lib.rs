@@ -2,6 +2,7 @@
 
 pub mod documents;
 pub mod flash;
+pub mod halves;
 pub mod oracle;
 pub mod plans;
 pub mod plants;
@@ -9,6 +10,17 @@ pub mod streams;
 pub mod strokes;
 
 use std::path::PathBuf;
+
+/// Output and both inputs of a regression at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inputs {
+    /// Output.
+    pub y: f32,
+    /// First input.
+    pub u1: f32,
+    /// Second input.
+    pub u2: f32,
+}
 
 /// A folder of the recorded data, which is not part of the repository: `BEARING_WATCH_DATA` or `../shared/data`.
 ///

@@ -11,9 +11,10 @@
 
 use std::ops::Range;
 
-use bearing_watch::internals::Inputs;
 use bearing_watch::plan::Structure;
 use nalgebra::{DMatrix, DVector};
+
+use crate::Inputs;
 
 /// A record in double precision.
 #[derive(Clone, Debug, Default)]

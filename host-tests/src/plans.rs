@@ -1,60 +1,11 @@
 //! Plans, channels and constants of the core, from few numbers.
 
-use bearing_watch::internals::{Alone, Inputs};
 use bearing_watch::model::{
     Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature, Label, Name,
     Novelty, Projection, Regression, Sampling, ShaftConstants,
 };
 use bearing_watch::plan::Structure;
-use bearing_watch::plan::{
-    Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, Signal,
-};
-
-/// A regression alone, its structure chosen at run time. Output and inputs with terms have a channel each.
-#[derive(Clone, Debug)]
-pub struct Setup {
-    /// The plan.
-    pub plan: RunTime,
-    /// The channels.
-    pub channels: Vec<Channel>,
-    /// The constants; unscaled, with a nominal model of zeros.
-    pub constants: Regression<RunTime>,
-}
-
-impl Setup {
-    /// From the largest plausible y, u1, u2.
-    ///
-    /// # Panics
-    /// If the structure does not suit the method.
-    #[must_use]
-    pub fn new(structure: Structure, method: Method, memory: Memory, limits: [f32; 3]) -> Self {
-        let plan = RunTime::of(layout(structure, method, memory)).expect("a structure for this method");
-        let used = [true, structure.nb > 0, structure.nc > 0];
-        let signals = ["y", "u1", "u2"].into_iter().zip(limits).zip(used);
-        let channels = signals.filter(|(_, used)| *used).map(|((name, limit), _)| Channel::within(name, "", limit));
-        Self { plan, channels: channels.collect(), constants: Regression::new(plan) }
-    }
-
-    /// The same constants with a constant term of scale 1 behind the others.
-    #[must_use]
-    pub fn with_offset(&self) -> Self {
-        let layout = self.plan.layout();
-        let regression = layout.regression.map(|r| RegressionLayout { structure: r.structure.with_offset(), ..r });
-        let plan = RunTime::of(Layout { regression, ..layout }).expect("one column more");
-        let mut constants = self.constants.clone();
-        constants.scale.insert(layout.parameters(), 1.0);
-        constants.nominal.push(0.0);
-        Self { plan, channels: self.channels.clone(), constants }
-    }
-
-    /// An estimator with nothing sampled yet.
-    #[must_use]
-    pub fn stream(&self) -> Stream<'_> {
-        let sample = RunTimeSample { values: vec![0.0; self.channels.len()], ..RunTimeSample::default() };
-        let used = self.plan.layout().regression.map_or([false; 2], |r| [r.structure.nb > 0, r.structure.nc > 0]);
-        Stream { estimator: Alone::new(self.plan, &self.channels, &self.constants), sample, used }
-    }
-}
+use bearing_watch::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, Signal};
 
 /// The layout of a regression alone; its parameters are its features.
 #[must_use]
@@ -75,26 +26,6 @@ pub fn layout(structure: Structure, method: Method, memory: Memory) -> Layout {
         coordinates: 1,
         classes: 1,
         ..Layout::EMPTY
-    }
-}
-
-/// An estimator that takes y, u1, u2.
-#[derive(Clone, Debug)]
-pub struct Stream<'m> {
-    /// The estimator.
-    pub estimator: Alone<'m, RunTime>,
-    sample: RunTimeSample,
-    /// Whether the inputs have channels.
-    used: [bool; 2],
-}
-
-impl Stream<'_> {
-    /// Takes one sample.
-    pub fn step(&mut self, Inputs { y, u1, u2 }: &Inputs) {
-        let inputs = [u1, u2].into_iter().zip(self.used).filter(|(_, used)| *used).map(|(x, _)| x);
-        let values = std::iter::once(y).chain(inputs);
-        self.sample.values.iter_mut().zip(values).for_each(|(cell, x)| *cell = *x);
-        self.estimator.step(&self.sample);
     }
 }
 

@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::internals::Inputs;
+use crate::Inputs;
 use bearing_watch::plan::Structure;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

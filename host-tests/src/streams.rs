@@ -1,18 +1,113 @@
 //! The core's estimators as the tests set them up: scaled to the samples, from a plant's nominal model.
 
-use bearing_watch::Reason;
-use bearing_watch::internals::{Inputs, Mass, Problem, Solution, Solved, Triangle};
-use bearing_watch::model::Forgetting;
-use bearing_watch::plan::Structure;
-use bearing_watch::plan::{Layout, Memory, Method, Plan, RegressionLayout, RunTime};
+use bearing_watch::model::{Channel, Feature, Forgetting, Regression};
+use bearing_watch::plan::{Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, Structure};
+use bearing_watch::{Detector, Model, Reason};
 use nalgebra::{DMatrix, DVector};
 
+use crate::Inputs;
 use crate::oracle::{self, Course, Fit};
-use crate::plans::Setup;
+use crate::plans::{constants, layout};
 use crate::plants::Plant;
 
 /// An estimate of a structure that was chosen at run time.
 pub type Estimate = bearing_watch::Estimate<RunTime>;
+
+/// A regression alone, its structure chosen at run time. Output and inputs with terms have a channel each.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The plan.
+    pub plan: RunTime,
+    /// The channels.
+    pub channels: Vec<Channel>,
+    /// The constants; unscaled, with a nominal model of zeros.
+    pub constants: Regression<RunTime>,
+}
+
+impl Setup {
+    /// From the largest plausible y, u1, u2.
+    ///
+    /// # Panics
+    /// If the structure does not suit the method.
+    #[must_use]
+    pub fn new(structure: Structure, method: Method, memory: Memory, limits: [f32; 3]) -> Self {
+        let plan = RunTime::of(layout(structure, method, memory)).expect("a structure for this method");
+        let used = [true, structure.nb > 0, structure.nc > 0];
+        let signals = ["y", "u1", "u2"].into_iter().zip(limits).zip(used);
+        let channels = signals.filter(|(_, used)| *used).map(|((name, limit), _)| Channel::within(name, "", limit));
+        Self { plan, channels: channels.collect(), constants: Regression::new(plan) }
+    }
+
+    /// The same constants with a constant term of scale 1 behind the others.
+    #[must_use]
+    pub fn with_offset(&self) -> Self {
+        let layout = self.plan.layout();
+        let regression = layout.regression.map(|r| RegressionLayout { structure: r.structure.with_offset(), ..r });
+        let plan = RunTime::of(Layout { regression, ..layout }).expect("one column more");
+        let mut constants = self.constants.clone();
+        constants.scale.insert(layout.parameters(), 1.0);
+        constants.nominal.push(0.0);
+        Self { plan, channels: self.channels.clone(), constants }
+    }
+
+    /// A detector with nothing sampled yet, whose segments have this length.
+    ///
+    /// # Panics
+    /// If the constants are refused.
+    #[must_use]
+    pub fn stream(&self, segment_samples: usize) -> Stream {
+        let layout = self.plan.layout();
+        let features: Vec<Feature> = (0..layout.features).map(Feature::Parameter).collect();
+        let limits: Vec<f32> = self.channels.iter().map(|channel| channel.limit).collect();
+        let mut constants = constants(self.plan, segment_samples as u32, &limits, &features, None);
+        (constants.channels, constants.regression) = (self.channels.clone(), vec![self.constants.clone()]);
+        let model = Box::leak(Box::new(Model::new(self.plan, constants).expect("good constants")));
+        let sample = RunTimeSample { values: vec![0.0; self.channels.len()], ..RunTimeSample::default() };
+        let used = layout.regression.map_or([false; 2], |r| [r.structure.nb > 0, r.structure.nc > 0]);
+        Stream { detector: Detector::new(model), closed: None, sample, used }
+    }
+}
+
+/// A detector that takes y, u1, u2.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    /// The detector.
+    pub detector: Detector<'static, RunTime>,
+    closed: Option<Estimate>,
+    sample: RunTimeSample,
+    /// Whether the inputs have channels.
+    used: [bool; 2],
+}
+
+impl Stream {
+    /// Takes one sample.
+    pub fn step(&mut self, Inputs { y, u1, u2 }: &Inputs) {
+        let inputs = [u1, u2].into_iter().zip(self.used).filter(|(_, used)| *used).map(|(x, _)| x);
+        let values = std::iter::once(y).chain(inputs);
+        self.sample.values.iter_mut().zip(values).for_each(|(cell, x)| *cell = *x);
+        if let Some(report) = self.detector.step(&self.sample) {
+            self.closed = report.estimate().cloned();
+        }
+    }
+
+    /// The estimate of the segment that the last sample has closed.
+    ///
+    /// # Panics
+    /// If it has closed none.
+    pub fn closed(&mut self) -> Estimate {
+        assert_eq!(self.detector.pending(), 0, "the last sample closes a segment");
+        self.closed.take().expect("a segment")
+    }
+
+    /// The estimate of the open segment, which stays open.
+    ///
+    /// # Panics
+    /// If there is no regression.
+    #[must_use]
+    pub fn open(&self) -> Estimate {
+        self.detector.preview().estimate().cloned().expect("a regression")
+    }
+}
 
 /// Least squares over segments, without a constant term, scaled to these samples.
 #[must_use]
@@ -42,6 +137,8 @@ pub fn fading(setup: &Setup, floor: f32) -> Setup {
     let plan = RunTime::of(Layout { regression, ..layout }).expect("the same columns");
     let mut fading = Setup { plan, ..setup.clone() };
     fading.constants.forgetting = Forgetting { lambda: 0.9999, floor };
+    // A memory that fades has a limit of rest; this one is met by any motion.
+    fading.constants.rest = fading.constants.rest.max(1e-12);
     fading
 }
 
@@ -83,26 +180,6 @@ pub fn outcome(estimate: Estimate) -> Result<Estimate, Reason> {
     estimate.reason.map_or(Ok(estimate), Err)
 }
 
-/// Scaled parameters of a factor of least-squares rows; `rows` is the number of rows in it.
-///
-/// # Panics
-/// If the rows do not excite every parameter.
-#[must_use]
-pub fn solve(triangle: &Triangle<Vec<f32>, Vec<f32>>, rows: f32) -> Vec<f32> {
-    let mut triangle = triangle.clone();
-    let n = triangle.columns() - 1;
-    let (d, r) = triangle.parts_mut();
-    let (scale, mass) = (vec![1.0; n + 1], Mass { rows, spread: 1.0 });
-    let problem = &mut Problem { d, r, inputs: n, outputs: 0, scale: &scale, base: &[], mass, gain: 1.0 };
-    let (mut delta, mut covariance, mut variance) = (vec![0.0; n], vec![0.0; n * (n + 1) / 2], 0.0);
-    let mut work = vec![0.0; n];
-    let solved =
-        &mut Solved { delta: &mut delta, covariance: &mut covariance, variance: &mut variance, work: &mut work };
-    let mut solution = Solution::new::<true>(problem, solved).expect("a solution");
-    while !solution.add_column::<true>(problem, solved) {}
-    delta
-}
-
 /// Covariance of the δ-parameters without the constant.
 #[must_use]
 pub fn covariance(estimate: &Estimate, terms: usize) -> DMatrix<f64> {
@@ -128,11 +205,11 @@ impl Run {
     pub fn new(setup: &Setup, samples: &[Inputs], length: usize) -> Self {
         let structure = setup.plan.layout().regression.expect("a regression").structure;
         let mut auxiliaries = vec![(0, oracle::raw(structure, &setup.constants.nominal))];
-        let mut stream = setup.stream();
+        let mut stream = setup.stream(length);
         let mut segments = vec![];
         for (number, segment) in samples.chunks_exact(length).enumerate() {
             segment.iter().for_each(|sample| stream.step(sample));
-            let result = outcome(stream.estimator.close());
+            let result = outcome(stream.closed());
             if let Ok(estimate) = &result {
                 auxiliaries.push(((number + 1) * length, oracle::raw(structure, estimate.delta())));
             }

@@ -61,7 +61,7 @@ mod words;
 use super::growth::{Contribution, Growth};
 use super::runs::Runs;
 use super::silence::{Silence, SilenceLimits, Silent};
-use crate::decide::{Decision, Directions, Fall, UNMARKED};
+use crate::decide::{Decision, Directions, Fall, NO_MODEL};
 use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
@@ -141,7 +141,7 @@ pub struct Evidence<P: Plan> {
     main: Option<Contribution>,
     /// The coordinate that fell last, in a model with directions.
     fallen: Option<u8>,
-    /// The mark of the model.
+    /// The id of the model.
     model: u32,
 }
 
@@ -175,11 +175,11 @@ impl<P: Plan> Evidence<P> {
             runs: Runs::new(directions),
             main: None,
             fallen: None,
-            model: UNMARKED,
+            model: NO_MODEL,
         }
     }
 
-    /// Of the model with this mark, whose segments take so long.
+    /// Of the model with this id, whose segments take so long.
     pub(crate) const fn of_model(mut self, model: u32, segment_s: f32) -> Self {
         (self.model, self.silent) = (model, self.silent.of_segments(segment_s));
         self
@@ -246,7 +246,7 @@ impl<P: Plan> Evidence<P> {
     /// The decision, if it is one of this model, or made without one, and has numbers.
     fn of_this_model<'a>(&self, decision: &'a Decision<P>) -> Result<&'a Decision<P>, Option<Reason>> {
         let Decision { model, distance_surprise, .. } = *decision;
-        if model != self.model && model != UNMARKED && self.model != UNMARKED {
+        if model != self.model && model != NO_MODEL && self.model != NO_MODEL {
             return Err(Some(Reason::OtherModel));
         }
         if distance_surprise.is_finite() { Ok(decision) } else { Err(Some(Reason::NotFinite(Part::Classifier))) }

@@ -20,8 +20,8 @@ use super::gates::{Departure, Fall, Most};
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::regression::factor::{numbered, pairs};
 
-/// The mark of a decision that was made without a model.
-pub const UNMARKED: u32 = 0;
+/// The id of a decision that was made without a model.
+pub const NO_MODEL: u32 = 0;
 
 /// Gaussian class densities with priors and costs.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub struct Decision<P: Plan> {
     pub(crate) beyond: Array<P::Classes, bool>,
     /// y of each direction that the alarm watches.
     pub(crate) directed: Array<P::Directions, FeatureValue>,
-    /// The mark of the model.
+    /// The id of the model.
     pub(crate) model: u32,
     pub(crate) missing: Array<P::Features, bool>,
     pub(crate) outside: Array<P::Covariates, bool>,
@@ -84,7 +84,7 @@ impl<P: Plan> Decision<P> {
             expected_costs: zeros,
             beyond: Cells::filled(layout.classes as usize, false),
             directed: Cells::filled(layout.directions as usize, FeatureValue::MISSING),
-            model: UNMARKED,
+            model: NO_MODEL,
             missing: Cells::filled(layout.features as usize, false),
             outside: Cells::filled(layout.covariates as usize, false),
             distance: 0.0,

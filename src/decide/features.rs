@@ -99,6 +99,45 @@ impl FeatureValue {
 }
 
 impl Feature {
+    /// Kind and place, as models and identities have them.
+    pub(crate) const fn code(self) -> [u8; 2] {
+        match self {
+            Self::Parameter(place) => [0, place],
+            Self::LogVariance => [1, 0],
+            Self::Friction(term) => [2, term as u8],
+            Self::FrictionScore(term) => [3, term as u8],
+            Self::LogFrictionVariance => [4, 0],
+            Self::OrderScore(place) => [5, place],
+            Self::LogOrderAmplitude(place) => [6, place],
+            Self::LogFriction(term) => [7, term as u8],
+            Self::ChannelMean(channel) => [8, channel],
+            Self::ChannelRms(channel) => [9, channel],
+        }
+    }
+
+    /// The feature of a code; `None` if this build does not know its kind, or the kind has no such place.
+    pub(crate) fn of_code([kind, place]: [u8; 2]) -> Option<Self> {
+        let term = FrictionTerm::ALL.get(place as usize).copied();
+        Some(match kind {
+            0 => Self::Parameter(place),
+            1 => Self::LogVariance,
+            2 => Self::Friction(term?),
+            3 => Self::FrictionScore(term?),
+            4 => Self::LogFrictionVariance,
+            5 => Self::OrderScore(place),
+            6 => Self::LogOrderAmplitude(place),
+            7 => Self::LogFriction(term?),
+            8 => Self::ChannelMean(place),
+            9 => Self::ChannelRms(place),
+            _ => return None,
+        })
+    }
+
+    /// Whether a code is of a kind that only a newer build knows.
+    pub(crate) const fn is_newer([kind, _]: [u8; 2]) -> bool {
+        kind > 9
+    }
+
     /// The term of the torque balance that it measures, if it does.
     pub(crate) const fn friction(self) -> Option<FrictionTerm> {
         match self {

@@ -18,7 +18,7 @@ mod verdict;
 pub use classification::Classification;
 pub use classifier::Classifier;
 pub use covariates::{Covariate, Covariates};
-pub use discriminant::{Decision, Discriminant, UNMARKED};
+pub use discriminant::{Decision, Discriminant, NO_MODEL};
 pub use features::{Estimates, Feature, FeatureValue};
 pub use gates::{
     Background, Departure, Direction, Directions, Fall, KNOTS, Law, MAX_BACKGROUND, MAX_SURPRISE, Most, Novelty, Rise,

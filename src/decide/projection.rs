@@ -69,19 +69,6 @@ impl<P: Plan> Projection<P> {
         let (place, weight) = self.only(k)?;
         if weight > 0.0 { u8::try_from(place).ok() } else { None }
     }
-
-    /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
-    #[cfg(feature = "nalgebra")]
-    #[must_use]
-    pub fn to_matrices<const Z: usize, const F: usize>(
-        &self,
-    ) -> Option<(nalgebra::SMatrix<f32, Z, F>, nalgebra::SVector<f32, F>)> {
-        let (matrix, mean) = (self.matrix.cells(), self.mean.cells());
-        let fits = mean.len() == F && matrix.len() == Z.wrapping_mul(F);
-        fits.then(|| {
-            (nalgebra::SMatrix::from_row_iterator(matrix.iter().copied()), nalgebra::SVector::from_row_slice(mean))
-        })
-    }
 }
 
 /// (1) and (2) of one row of W.
@@ -133,11 +120,5 @@ mod tests {
         // The second coordinate does not contain the first feature.
         let [missing, present] = with([f32::INFINITY, 0.5, 0.0]);
         assert_eq!((missing, present.value, present.variance), (FeatureValue::MISSING, second, 4.0));
-        #[cfg(feature = "nalgebra")]
-        {
-            let (w, m) = projection.to_matrices::<2, 3>().unwrap();
-            assert_eq!(w * (nalgebra::SVector::from(features) - m), nalgebra::SVector::from([8.0, -7.0]));
-            assert_eq!(projection.to_matrices::<3, 2>(), None);
-        }
     }
 }

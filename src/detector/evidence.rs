@@ -11,6 +11,6 @@ impl<P: Plan> Evidence<P> {
         let constants = model.constants();
         let novelty = &constants.classifier.novelty;
         Self::empty(model.plan(), constants.evidence, &novelty.directions, novelty.class)
-            .of_model(model.mark(), constants.sampling.segment_s())
+            .of_model(model.id(), constants.sampling.segment_s())
     }
 }

@@ -6,7 +6,7 @@
 //!                 └─ averages of channels ──────┘
 //! ```
 //!
-//! [`Detector::collect`] costs about the same for every sample. It hands out the sums of a closed segment; [`Monitor`]
+//! [`Detector::exchange`] costs about the same for every sample. It hands out the sums of a closed segment; [`Monitor`]
 //! makes the report in the main loop, and [`Detector::adopt`] returns it. Programs without interrupts call
 //! [`Detector::step`], which does all of it.
 
@@ -20,8 +20,6 @@ mod verdict;
 
 pub use monitor::{Conclusion, Monitor};
 pub use segment::Segment;
-#[cfg(any(test, feature = "internals"))]
-pub use solver::{Solver, conclude};
 
 use core::borrow::BorrowMut;
 
@@ -93,52 +91,6 @@ impl<'m, P: Plan> Detector<'m, P> {
     pub fn new(model: &'m Model<P>) -> Self {
         Self::around(model, Segment::new(model))
     }
-
-    /// Takes one sample; returns the report with the sample that closes a segment. That sample costs the whole solve
-    /// and classification, often more than a control interval has time for: in an interrupt use [`Detector::collect`].
-    #[inline]
-    pub fn step(&mut self, sample: &P::Sample) -> Option<Report<P>> {
-        if self.take(sample) { self.close() } else { None }
-    }
-
-    /// Takes one sample, in time that hardly depends on the data; returns the sums with the sample that closes a
-    /// segment. Give them to [`Monitor`] in the main loop, and its report to [`Detector::adopt`]. That sample copies
-    /// and clears all sums: [`Detector::exchange`] does neither.
-    #[inline]
-    pub fn collect(&mut self, sample: &P::Sample) -> Option<Segment<P>> {
-        if self.take(sample) { self.detach() } else { None }
-    }
-
-    /// The same detector, with the sums in a place outside for [`Detector::exchange`].
-    #[must_use]
-    pub fn in_place<'s>(self, place: &'s mut Segment<P>) -> Detector<'m, P, &'s mut Segment<P>> {
-        let Self { model, gate, block, spoiled, estimator, shaft, samples, sequence, open } = self;
-        *place = open;
-        Detector { model, gate, block, spoiled, estimator, shaft, samples, sequence, open: place }
-    }
-
-    /// Closes the segment and hands out its sums.
-    // Out of line, so that the usual sample needs no room for them on the stack; an option, so that they are built in
-    // the place of the caller's.
-    #[inline(never)]
-    fn detach(&mut self) -> Option<Segment<P>> {
-        let segment = Some(self.segment(true));
-        self.next_segment();
-        segment
-    }
-
-    /// Closes the segment and concludes it.
-    #[cold]
-    #[inline(never)]
-    fn close(&mut self) -> Option<Report<P>> {
-        let mut report = Some(Report::empty(self.model.plan()));
-        if let Some(report) = &mut report {
-            self.segment(true).solve(self.model, report);
-            self.offer(report);
-        }
-        self.next_segment();
-        report
-    }
 }
 
 impl<'m, 's, P: Plan> Detector<'m, P, &'s mut Segment<P>> {
@@ -149,9 +101,10 @@ impl<'m, 's, P: Plan> Detector<'m, P, &'s mut Segment<P>> {
         Self::around(model, place)
     }
 
-    /// As [`Detector::collect`], with sums that are neither copied nor cleared: the sample that closes a segment takes
-    /// the place out of `spare` for the next one, and returns that of the closed one. [`Monitor::take_from`] clears it
-    /// for the next exchange; a place that is not clear is cleared here.
+    /// Takes one sample, in time that hardly depends on the data. The sample that closes a segment takes the place out
+    /// of `spare` for the next one, and returns that of the closed one: the sums are neither copied nor cleared. Give
+    /// the place to [`Monitor::take_from`] in the main loop, and its report to [`Detector::adopt`]. The monitor clears
+    /// the place for the next exchange; one that is not clear is cleared here.
     ///
     /// Two places and two queues of references, there and back, connect interrupt and main loop:
     ///
@@ -184,7 +137,7 @@ impl<'m, 's, P: Plan> Detector<'m, P, &'s mut Segment<P>> {
             self.next_segment();
             return Exchange::Lost;
         };
-        if !place.clear || place.model != self.model.mark() {
+        if !place.clear || place.model != self.model.id() {
             place.clear(self.model);
         }
         let closed = core::mem::replace(&mut self.open, place);
@@ -214,6 +167,26 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
         }
     }
 
+    /// Takes one sample; returns the report with the sample that closes a segment. That sample costs the whole solve
+    /// and classification, often more than a control interval has time for: in an interrupt use [`Detector::exchange`].
+    #[inline]
+    pub fn step(&mut self, sample: &P::Sample) -> Option<Report<P>> {
+        if self.take(sample) { self.close() } else { None }
+    }
+
+    /// Closes the segment and concludes it.
+    #[cold]
+    #[inline(never)]
+    fn close(&mut self) -> Option<Report<P>> {
+        let mut report = Some(Report::empty(self.model.plan()));
+        if let Some(report) = &mut report {
+            self.segment(true).solve(self.model, report);
+            self.offer(report);
+        }
+        self.next_segment();
+        report
+    }
+
     /// Lets the estimate of a concluded segment take over as auxiliary model at the handover. Returns `false`, and does
     /// nothing, if the handover is past, if it is not the segment that was closed last, also by
     /// [`Detector::restart`] or [`Detector::discard`] since then, or if the estimate cannot be used.
@@ -221,7 +194,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
         let (Some(estimator), Some(regression), Some(estimate)) = parts else { return false };
-        report.model == self.model.mark() && estimator.adopt(plan, regression, estimate)
+        report.model == self.model.id() && estimator.adopt(plan, regression, estimate)
     }
 
     /// Takes one sample; returns whether the segment is full.
@@ -282,7 +255,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
             segment.rows = sums.count;
         }
         (segment.whole, segment.clear, segment.failed) = (whole, false, arithmetic_test().err());
-        (segment.model, segment.sequence) = (self.model.mark(), self.sequence);
+        (segment.model, segment.sequence) = (self.model.id(), self.sequence);
     }
 
     fn counted(&self, segment: &Segment<P>) -> Counts {
@@ -300,7 +273,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
         let (Some(estimator), Some(regression), Some(estimate)) = parts else { return };
-        if report.model == self.model.mark() {
+        if report.model == self.model.id() {
             estimator.offer(plan, regression, estimate);
         }
     }
@@ -402,4 +375,4 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

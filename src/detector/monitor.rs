@@ -1,7 +1,7 @@
 //! What the main loop owns: closed segments in, one report a segment out, and the alarm of all of them.
 //!
 //! ```text
-//! interrupt   Detector::collect ─► Segment ─┐
+//! interrupt   Detector::exchange ─► Segment ─┐
 //! main loop                                 ▼
 //! Monitor     solve ─► Report ─► Evidence ─► Alarm
 //!                         ▲
@@ -20,7 +20,7 @@ use super::sequence::Sequence;
 use super::solver::Solve;
 use super::verdict;
 use crate::alarm::evidence::{Alarm, Evidence};
-use crate::alarm::{Growth, Silence, SilenceLimits, StateError};
+use crate::alarm::{Silence, SilenceLimits, StateError};
 use crate::drive::Alignment;
 use crate::model::Model;
 use crate::plan::Plan;
@@ -28,41 +28,15 @@ use crate::reason::{Implausible, Reason};
 use crate::report::{Report, Verdict};
 
 /// The main loop's half of a detector: it solves closed segments and gathers the evidence for an alarm.
-///
-/// ```
-/// # use bearing_watch::{Detector, Model, Monitor, plan::Plan};
-/// # fn run<P: Plan>(model: &Model<P>, samples: impl Iterator<Item = P::Sample>) {
-/// let mut detector = Detector::new(model); // of the interrupt
-/// let mut monitor = Monitor::new(model); // of the main loop
-/// for sample in samples {
-///     if let Some(segment) = detector.collect(&sample) {
-///         let now = monitor.conclude(segment);
-///         detector.adopt(now.report); // for instrumental variables and weights of outliers
-///         let _stop = now.alarm.is_some();
-///     }
-/// }
-/// # }
-/// ```
-///
-/// A program without interrupts calls [`Monitor::step`], which works on both halves.
+/// [`Detector::exchange`] shows both halves; a program without interrupts calls [`Monitor::step`].
 ///
 /// The evidence takes each report once, from the monitor alone:
 ///
 /// ```compile_fail
 /// # use bearing_watch::{Model, Monitor, Segment, plan::Plan};
-/// # fn run<P: Plan>(monitor: &mut Monitor<'_, P>, segment: Segment<P>) {
-/// let report = monitor.conclude(segment).report;
+/// # fn run<P: Plan>(monitor: &mut Monitor<'_, P>) {
+/// let report = monitor.report().unwrap();
 /// monitor.evidence().observe_outcome(report.outcome());
-/// # }
-/// ```
-///
-/// A segment is concluded once:
-///
-/// ```compile_fail
-/// # use bearing_watch::{Model, Monitor, Segment, plan::Plan};
-/// # fn run<P: Plan>(monitor: &mut Monitor<'_, P>, segment: Segment<P>) {
-/// monitor.conclude(segment);
-/// monitor.conclude(segment);
 /// # }
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -201,26 +175,19 @@ impl<'m, P: Plan> Monitor<'m, P> {
         }
     }
 
-    /// Solves a closed segment. For a main loop that has other work in between: [`Monitor::take`] and
-    /// [`Monitor::advance`].
-    pub fn conclude(&mut self, segment: Segment<P>) -> Conclusion<'_, P> {
-        self.take(segment);
-        self.solve_rest();
-        self.conclusion()
-    }
-
-    /// Takes a closed segment, which [`Monitor::advance`] solves in steps; what is left of the one before is solved at
-    /// once. The report before is withdrawn if this segment puts it in doubt, and stands otherwise.
-    pub fn take(&mut self, segment: Segment<P>) {
-        self.follow(segment.sequence);
-        self.segment = Some(segment);
-        self.start();
-    }
-
-    /// As [`Monitor::take`], and clears the place for the next [`Detector::exchange`].
+    /// Takes a closed segment, which [`Monitor::advance`] solves in steps, and [`Monitor::complete`] at once; what is
+    /// left of the one before is solved now. The report before is withdrawn if this segment puts it in doubt, and stands
+    /// otherwise. Clears the place for the next [`Detector::exchange`].
     pub fn take_from(&mut self, place: &mut Segment<P>) {
         self.follow(place.sequence);
         self.fetch(place);
+        self.start();
+    }
+
+    /// Takes a copy of the open segment.
+    fn take(&mut self, segment: Segment<P>) {
+        self.follow(segment.sequence);
+        self.segment = Some(segment);
         self.start();
     }
 
@@ -241,13 +208,6 @@ impl<'m, P: Plan> Monitor<'m, P> {
         place.clear(self.model);
     }
 
-    /// As [`Monitor::conclude`], and clears the place for the next [`Detector::exchange`].
-    pub fn conclude_from(&mut self, place: &mut Segment<P>) -> Conclusion<'_, P> {
-        self.take_from(place);
-        self.solve_rest();
-        self.conclusion()
-    }
-
     // Out of line, as `fetch` is.
     #[inline(never)]
     fn start(&mut self) {
@@ -258,7 +218,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
 
     /// Does the next step of the solve; returns the conclusion with the last one, and `None` where there is nothing to
     /// solve. `cargo xtask measure` prints the instructions of the longest step. Steps give the bits of
-    /// [`Monitor::conclude`].
+    /// [`Monitor::complete`].
     pub fn advance(&mut self) -> Option<Conclusion<'_, P>> {
         if self.work != Work::Solving {
             return None;
@@ -342,18 +302,6 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.evidence.end_run()
     }
 
-    /// The alarm that stands.
-    #[must_use]
-    pub const fn alarm(&self) -> Option<Alarm> {
-        self.evidence.alarm()
-    }
-
-    /// The size of a defect in a direction of the model, and the time left: see [`Evidence::growth`].
-    #[must_use]
-    pub fn growth(&self, direction: u8) -> Option<Growth> {
-        self.evidence.growth(direction)
-    }
-
     /// What the alarm is made of.
     #[must_use]
     pub const fn evidence(&self) -> &Evidence<P> {
@@ -378,28 +326,14 @@ impl<'m, P: Plan> Monitor<'m, P> {
         (self.work, self.segment) = (Work::Settled, None);
     }
 
-    /// Number of bytes that [`Monitor::save`] writes.
-    #[must_use]
-    pub fn saved_len(&self) -> usize {
-        Evidence::saved_len(self.model)
-    }
-
-    /// Writes alarm and scores in a run that goes on; returns the number of bytes. It is as if the
-    /// power went off within the run.
-    ///
-    /// # Errors
-    /// [`StateError::BufferTooSmall`].
-    pub fn save_within_run(&self, buffer: &mut [u8]) -> Result<usize, StateError> {
-        self.evidence.save(self.model, buffer)
-    }
-
-    /// Ends the run and writes alarm and scores; returns the number of bytes.
+    /// Ends the run and writes alarm and scores; returns the number of bytes, [`Evidence::saved_len`]. In a run that goes
+    /// on, [`Evidence::save`] writes what is left if the power goes off.
     ///
     /// # Errors
     /// [`StateError::BufferTooSmall`].
     pub fn save(&mut self, buffer: &mut [u8]) -> Result<usize, StateError> {
         self.end_run();
-        self.save_within_run(buffer)
+        self.evidence.save(self.model, buffer)
     }
 
     /// Continues from a saved state of this model. Nothing changes in case of an error.

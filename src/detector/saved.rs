@@ -33,7 +33,7 @@ impl<P: Plan> Evidence<P> {
     }
 
     /// Writes this evidence of a model, with its alarm, into `buffer`; returns the number of bytes,
-    /// [`Evidence::saved_len`]. Cost: a checksum over the state, and [`Model::id`].
+    /// [`Evidence::saved_len`]. Cost: a checksum over the state.
     ///
     /// # Errors
     /// [`StateError::BufferTooSmall`].

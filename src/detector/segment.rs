@@ -27,7 +27,7 @@ pub struct Segment<P: Plan> {
     pub(super) clear: bool,
     /// What the processor did not compute as the host does when the segment closed.
     pub(super) failed: Option<Kernel>,
-    /// The mark of the model.
+    /// The id of the model.
     pub(super) model: u32,
     /// Its place among the segments of the detector.
     pub(super) sequence: Sequence,
@@ -63,7 +63,7 @@ impl<P: Plan> Segment<P> {
             whole: false,
             clear: true,
             failed: None,
-            model: model.mark(),
+            model: model.id(),
             sequence: Sequence::default(),
         }
     }
@@ -80,7 +80,7 @@ impl<P: Plan> Segment<P> {
 
     /// Clears the place for this model.
     pub(super) fn clear(&mut self, model: &Model<P>) {
-        if self.model == model.mark() {
+        if self.model == model.id() {
             self.empty(model);
         } else {
             self.renew(model);

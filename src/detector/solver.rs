@@ -28,47 +28,6 @@ impl<P: Plan> Segment<P> {
     }
 }
 
-/// A segment and its solve without a monitor, for tests and measurements.
-#[cfg(any(test, feature = "internals"))]
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Solver<'m, P: Plan> {
-    model: &'m Model<P>,
-    segment: Segment<P>,
-    report: Report<P>,
-    solve: Solve<P>,
-}
-
-#[cfg(any(test, feature = "internals"))]
-impl<'m, P: Plan> Solver<'m, P> {
-    /// Nothing solved yet.
-    #[must_use]
-    pub fn new(model: &'m Model<P>, segment: Segment<P>) -> Self {
-        let plan = model.plan();
-        Self { model, segment, report: Report::empty(plan), solve: Solve::new(plan) }
-    }
-
-    /// Does the next step; returns the report with the last one. Further calls return it again.
-    pub fn advance(&mut self) -> Option<&Report<P>> {
-        let done = self.solve.advance(self.model, &mut self.segment, &mut self.report);
-        done.then_some(&self.report)
-    }
-
-    /// Does all that is left; returns the report.
-    #[must_use]
-    pub fn finish(mut self) -> Report<P> {
-        self.solve.run(self.model, &mut self.segment, &mut self.report);
-        self.report
-    }
-}
-
-/// The report of a segment without a monitor, for tests and measurements.
-#[cfg(any(test, feature = "internals"))]
-#[must_use]
-pub fn conclude<P: Plan>(model: &Model<P>, mut segment: Segment<P>) -> Report<P> {
-    segment.report(model)
-}
-
 /// More steps than the largest model has: 254 rows and columns, and as many orders.
 const MAX_STEPS: u32 = 1 << 11;
 
@@ -186,7 +145,7 @@ impl<P: Plan> Solve<P> {
         let (plan, constants) = (model.plan(), model.constants());
         let shaft = report.shaft.part().zip(constants.balance());
         let estimates = (report.estimate.part(), shaft, report.averages.cells());
-        let decision = report.decision.get_or_insert_with(|| Decision { model: model.mark(), ..Decision::empty(plan) });
+        let decision = report.decision.get_or_insert_with(|| Decision { model: model.id(), ..Decision::empty(plan) });
         self.classification.step(plan, &constants.classifier, estimates, decision)
     }
 
@@ -204,10 +163,10 @@ impl<P: Plan> Solve<P> {
 /// Starts the report; `false` if nothing is concluded from the segment, whatever is in it.
 #[inline(never)]
 fn start<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>) -> bool {
-    (report.counts, report.rows, report.model) = (segment.counts, segment.rows, model.mark());
+    (report.counts, report.rows, report.model) = (segment.counts, segment.rows, model.id());
     // The main loop may have other settings of the processor than the interrupt.
     let failed = segment.failed.or_else(|| arithmetic_test().err()).map(Reason::Arithmetic);
-    let reason = if segment.model == model.mark() { failed } else { Some(Reason::OtherModel) };
+    let reason = if segment.model == model.id() { failed } else { Some(Reason::OtherModel) };
     if let Some(reason) = reason {
         report.verdict = Verdict::Undetermined(reason);
         return false;

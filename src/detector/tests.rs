@@ -1,4 +1,4 @@
-use super::{Detector, Exchange, Monitor, Segment, Solver, conclude};
+use super::{Conclusion, Detector, Exchange, Monitor, Segment};
 use crate::alarm::evidence::{Cause, Evidence};
 use crate::model::{Constants, EvidenceConstants, Model};
 use crate::plan::Plan;
@@ -7,9 +7,29 @@ use crate::report::{Report, Verdict};
 use crate::tests::{Drive, MODEL, SAMPLES, Sample, report, samples};
 use std::vec::Vec;
 
+/// Takes one sample; returns a copy of the sums with the sample that closes a segment.
+pub(crate) fn collect<P: Plan>(detector: &mut Detector<'_, P>, sample: &P::Sample) -> Option<Segment<P>> {
+    detector.take(sample).then(|| {
+        let segment = detector.segment(true);
+        detector.next_segment();
+        segment
+    })
+}
+
+/// Solves a segment at once.
+pub(crate) fn conclude<'a, P: Plan>(monitor: &'a mut Monitor<'_, P>, mut segment: Segment<P>) -> Conclusion<'a, P> {
+    monitor.take_from(&mut segment);
+    monitor.complete().unwrap()
+}
+
+/// The report of a segment without a monitor.
+pub(super) fn solved<P: Plan>(model: &Model<P>, mut segment: Segment<P>) -> Report<P> {
+    segment.report(model)
+}
+
 pub(super) fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item = Sample>) -> Segment<Drive> {
     loop {
-        if let Some(segment) = detector.collect(&samples.next().unwrap()) {
+        if let Some(segment) = collect(detector, &samples.next().unwrap()) {
             return segment;
         }
     }
@@ -26,16 +46,17 @@ fn at_once_deferred_and_in_steps_give_the_same_reports() {
             }
         };
         assert_eq!(expected.verdict, Verdict::Class(1));
-        let concluded = conclude(&MODEL, segment(&mut whole, &mut two));
+        let concluded = solved(&MODEL, segment(&mut whole, &mut two));
         assert!(whole.adopt(&concluded));
-        let mut solver = Solver::new(&MODEL, segment(&mut steps, &mut three));
+        let mut monitor = Monitor::new(&MODEL);
+        monitor.take_from(&mut segment(&mut steps, &mut three));
         let mut advances = 1;
-        while solver.advance().is_none() {
+        while monitor.advance().is_none() {
             advances += 1;
         }
         assert!((5..20).contains(&advances), "{advances}");
-        assert_eq!(solver.advance(), Some(&expected), "the last step is repeated");
-        assert!(steps.adopt(&solver.finish()) && !steps.adopt(&Report::empty(Drive)));
+        assert_eq!(monitor.report(), Some(&expected));
+        assert!(steps.adopt(&expected) && !steps.adopt(&Report::empty(Drive)));
         assert_eq!(concluded, expected);
     }
 }
@@ -54,7 +75,7 @@ fn exchanged<P: Plan>(model: &Model<P>, stream: impl Iterator<Item = P::Sample>,
             Exchange::Lost => panic!("no spare place at {k}"),
             Exchange::Closed(place) => {
                 if reports.len() % 3 == 2 {
-                    monitor.take(place.clone());
+                    monitor.take_from(&mut place.clone());
                 } else {
                     monitor.take_from(place);
                 }
@@ -73,8 +94,8 @@ fn collected<P: Plan>(model: &Model<P>, stream: impl Iterator<Item = P::Sample>,
         if k == discard_at {
             detector.discard();
         }
-        if let Some(segment) = detector.collect(&sample) {
-            detector.adopt(monitor.conclude(segment).report);
+        if let Some(segment) = collect(&mut detector, &sample) {
+            detector.adopt(conclude(&mut monitor, segment).report);
             reports.push(monitor.report().expect("a concluded segment").clone());
         }
     }
@@ -241,12 +262,12 @@ fn a_discarded_segment_closes_where_it_would_have_with_means_of_blocks() {
 #[test]
 fn a_report_from_before_a_restart_is_not_adopted() {
     let mut detector = Detector::new(&MODEL);
-    let mut next = || samples(0.5).find_map(|sample| detector.collect(&sample)).unwrap();
-    let old = conclude(&MODEL, next());
+    let mut next = || samples(0.5).find_map(|sample| collect(&mut detector, &sample)).unwrap();
+    let old = solved(&MODEL, next());
     for again in 0..300 {
         detector.restart();
-        let mut next = || samples(0.5).find_map(|sample| detector.collect(&sample)).unwrap();
-        let report = conclude(&MODEL, next());
+        let mut next = || samples(0.5).find_map(|sample| collect(&mut detector, &sample)).unwrap();
+        let report = solved(&MODEL, next());
         assert!(!detector.adopt(&old) && detector.adopt(&report), "{again}");
     }
     // Nor one of so many segments ago that a byte would have counted around.
@@ -262,7 +283,7 @@ fn a_report_from_before_a_restart_is_not_adopted() {
 #[test]
 fn a_report_from_before_a_discarded_part_is_not_adopted() {
     let mut detector = Detector::new(&MODEL);
-    let report = conclude(&MODEL, segment(&mut detector, samples(0.5)));
+    let report = solved(&MODEL, segment(&mut detector, samples(0.5)));
     assert!(detector.clone().adopt(&report));
     detector.discard();
     assert!(!detector.adopt(&report));
@@ -273,21 +294,21 @@ fn what_another_model_made_is_refused() {
     let (model, other) = (gated(), changed(|c| c.classifier.discriminant.means = [0.5, 1.1]));
     let collect = |model: &Model<Drive>| {
         let mut detector = Detector::new(model);
-        samples(1.0).find_map(|sample| detector.collect(&sample)).unwrap()
+        samples(1.0).find_map(|sample| collect(&mut detector, &sample)).unwrap()
     };
-    let report = conclude(&other, collect(&other));
+    let report = solved(&other, collect(&other));
     assert_eq!(report.verdict, Verdict::Class(1));
     let mut evidence = Evidence::new(&model);
     evidence.limit_silence(crate::alarm::SilenceLimits { segments: 1, hours: 0.0 });
     evidence.observe(report.decision.as_ref());
     let reason = Some(Reason::OtherModel);
     assert_eq!((evidence.segments(), evidence.silence().and_then(|silence| silence.reason)), ((1, 1), reason));
-    assert_eq!(conclude(&model, collect(&other)).verdict, Verdict::Undetermined(Reason::OtherModel));
+    assert_eq!(solved(&model, collect(&other)).verdict, Verdict::Undetermined(Reason::OtherModel));
     let mut detector = Detector::new(&model);
     segment(&mut detector, samples(1.0));
     assert!(!detector.adopt(&report));
     // The same numbers are the same model, wherever they are.
     let mut evidence = Evidence::new(&gated());
-    evidence.observe(conclude(&model, collect(&gated())).decision.as_ref());
+    evidence.observe(solved(&model, collect(&gated())).decision.as_ref());
     assert_eq!(evidence.segments(), (1, 0));
 }

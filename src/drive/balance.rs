@@ -151,18 +151,6 @@ impl CurrentBalance {
         }
     }
 
-    /// Takes the phase currents, A, at an electrical angle with its sine and cosine; a sample that is not finite is
-    /// left out. Returns whether this sample closed a window.
-    #[inline(always)]
-    pub fn push(&mut self, currents: Abc, electrical: Angle, turn: SinCos) -> bool {
-        self.gather(currents, electrical, turn);
-        let full = self.is_full();
-        if full {
-            self.close();
-        }
-        full
-    }
-
     /// Takes a sample as [`Self::push`], but leaves a full window to [`Self::close`].
     #[inline(always)]
     pub(super) fn gather(&mut self, currents: Abc, electrical: Angle, turn: SinCos) {

@@ -9,7 +9,7 @@
 //! Park transform and the decimators pass on and the detector refuses. Earlier samples were used; the window must
 //! therefore be long enough for a working converter to change in it, and short against a segment.
 
-use crate::signal::{Abc, AlphaBeta};
+use crate::signal::Abc;
 
 /// A phase of the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -225,12 +225,6 @@ impl CurrentSensors {
         }
     }
 
-    /// Converts and transforms to the stator frame.
-    #[inline]
-    pub fn clarke(&mut self, counts: &PhaseCounts) -> AlphaBeta {
-        self.convert(counts).clarke()
-    }
-
     /// Whether a converter is stuck now. Samples of the window before were used.
     #[must_use]
     pub const fn any_stuck(&self) -> bool {
@@ -270,7 +264,7 @@ mod tests {
         let mut sensors = CurrentSensors::new([SENSOR; 3], 0);
         let currents = sensors.convert(&PhaseCounts::Three([2000, 4090, 2100]));
         assert!(currents.b.is_nan() && currents.a.is_finite() && currents.c.is_finite());
-        assert!(sensors.clarke(&PhaseCounts::Two([3, 2100])).beta.is_nan(), "β needs both");
+        assert!(sensors.convert(&PhaseCounts::Two([3, 2100])).clarke().beta.is_nan(), "β needs both");
         let clear = PhaseFaults::default();
         let once = PhaseFaults { saturated: 1, stuck: 0 };
         assert_eq!(sensors.faults(), [once, once, clear]);

@@ -32,14 +32,19 @@ mod tracking;
 mod wiring;
 
 pub use crate::signal::{Abc, AlphaBeta, BlockMean, Dq0, SinCos};
-pub use balance::{BalanceLimits, CurrentBalance};
+pub use balance::BalanceLimits;
 pub use calibration::{CalibrationError, CalibrationLimits, OffsetCalibration};
-pub use current::{CurrentSensors, Phase, PhaseCounts, PhaseFaults, PhaseSensor};
+pub use current::{Phase, PhaseCounts, PhaseFaults, PhaseSensor};
 pub use decimate::{By, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use front_end::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample};
 pub use imbalance::{Alignment, Imbalance};
-pub use position::{Position, Tracked};
+pub use position::Position;
 pub use resolver::{ResolverFaults, ResolverLimits};
 pub use rotor_frame::RotorFrame;
-pub use tracking::{Lock, PositionFaults, PositionTracker, TrackingConstants};
+pub use tracking::{Lock, PositionFaults, TrackingConstants};
 pub use wiring::{Wiring, WiringCheck, WiringFault, WiringLimits};
+
+use balance::CurrentBalance;
+use current::CurrentSensors;
+use position::Tracked;
+use tracking::PositionTracker;

@@ -328,19 +328,6 @@ impl PositionTracker {
         self.lock
     }
 
-    /// The velocity ω̂ of the loop, rad/s; late by 2ζ/ωₙ.
-    #[must_use]
-    pub fn velocity_rad_s(&self) -> f32 {
-        self.velocity as f32 * (RAD * self.rate_hz)
-    }
-
-    /// Ka (5), 1/s²: at an acceleration α the angle of the loop is α/Ka behind.
-    #[must_use]
-    pub fn acceleration_constant(&self) -> f32 {
-        let [_, k2] = self.gains;
-        k2 * RAD * self.rate_hz * self.rate_hz
-    }
-
     /// Whether the gains of the resolver's sine and cosine differ too much now. Samples of the half turn before were
     /// used.
     #[must_use]

@@ -9,14 +9,16 @@
 //! of its own layout. The notes are text for people and tools (preparation, training set); the firmware ignores them.
 
 use super::reader::{Reader, read};
-use super::writer::{Buffer, Sum, Writer, write};
+use super::writer::{Buffer, Writer, write};
 use super::{Field, Model, ModelError};
-use crate::checksum::{Crc32, crc32};
+use crate::checksum::crc32;
 use crate::plan::{Layout, Plan};
 
 const MAGIC: [u8; 4] = *b"BWMD";
 const VERSION: u16 = 11;
 const HEADER: usize = 16;
+/// The model has what only a newer build knows.
+pub(super) const NEWER: ModelError = ModelError::Version { given: VERSION + 1, supported: VERSION };
 /// Largest length of payload and of notes; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
 
@@ -124,20 +126,6 @@ impl<P: Plan> Model<P> {
         let check = crc32(writer.0.free.get(..end).ok_or(ModelError::BufferTooSmall)?);
         writer.bytes(&check.to_le_bytes())?;
         Ok(writer.0.written)
-    }
-
-    /// Id of the model: the checksum of its binary form without notes; `train --c` writes it into the header. Models
-    /// with other numbers have other ids, but for one pair in 2³². Cost: about as reading the model.
-    #[must_use]
-    pub fn id(&self) -> u32 {
-        let mut measured = Writer(Sum { crc: Crc32::START, count: 0 });
-        let mut all = Writer(Sum { crc: Crc32::START, count: 0 });
-        // Neither sum has a bound that a model could exceed: a model too long for its binary form is still summed.
-        let _never = measured.layout(&self.plan().layout()).and_then(|()| write(&mut measured, self.constants()));
-        let header = header_of(measured.0.count, 0).unwrap_or([0; HEADER]);
-        let written = all.bytes(&header).and_then(|()| all.layout(&self.plan().layout()));
-        let _never = written.and_then(|()| write(&mut all, self.constants()));
-        all.0.crc.value()
     }
 }
 

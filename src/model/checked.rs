@@ -2,9 +2,8 @@
 
 use super::constants::Constants;
 use super::error::ModelError;
-use super::mark::mark;
+use super::identity::identity;
 use super::validate::check;
-use crate::decide::UNMARKED;
 use crate::drive::RotorFrame;
 use crate::plan::{Cells, Plan};
 use crate::report::Verdict;
@@ -17,7 +16,7 @@ pub struct Model<P: Plan> {
     plan: P,
     constants: Constants<P>,
     /// By which decisions, segments and reports of this model are known.
-    mark: u32,
+    id: u32,
 }
 
 impl<P: Plan> Model<P> {
@@ -29,29 +28,22 @@ impl<P: Plan> Model<P> {
     pub fn new(plan: P, constants: Constants<P>) -> Result<Self, ModelError> {
         let parts = constants.parts(plan);
         check(&parts)?;
-        let mark = mark(&parts);
-        Ok(Self { plan, constants, mark })
+        let id = identity(&parts);
+        Ok(Self { plan, constants, id })
     }
 
-    /// For constants that were not checked, in tests.
+    /// For constants that were checked before, with their identity.
     #[doc(hidden)]
     #[must_use]
-    pub const fn checked(plan: P, constants: Constants<P>) -> Self {
-        Self::marked(plan, constants, UNMARKED)
+    pub const fn identified(plan: P, constants: Constants<P>, id: u32) -> Self {
+        Self { plan, constants, id }
     }
 
-    /// For constants that were checked before.
-    #[doc(hidden)]
+    /// The number by which the model is known, and what is made with it: models with other numbers have other ones, but
+    /// for one pair in 2³². `train --c` writes it into the header.
     #[must_use]
-    pub const fn marked(plan: P, constants: Constants<P>, mark: u32) -> Self {
-        Self { plan, constants, mark }
-    }
-
-    /// The mark of what is made with this model: models with other numbers have other marks, but for one pair in 2³².
-    /// `train --c` writes it into the header. Unlike [`Model::id`](crate::Model::id) it costs nothing.
-    #[must_use]
-    pub const fn mark(&self) -> u32 {
-        self.mark
+    pub const fn id(&self) -> u32 {
+        self.id
     }
 
     /// The plan.

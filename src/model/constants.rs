@@ -39,6 +39,6 @@ impl<P: Plan> Constants<P> {
 
 impl<P: Plan> Constants<P> {
     pub(super) fn parts(&self, plan: P) -> Parts<'_> {
-        crate::model_parts!(viewed, P, self, plan.layout(), P::channels().unwrap_or(&[]))
+        crate::plan!(@parts viewed, P, self, plan.layout(), P::channels().unwrap_or(&[]))
     }
 }

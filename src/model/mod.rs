@@ -5,10 +5,9 @@
 
 mod bytes;
 mod checked;
-mod compile_time;
 mod constants;
 mod error;
-mod mark;
+mod identity;
 mod parts;
 mod ranges;
 mod reader;
@@ -22,21 +21,21 @@ pub use crate::decide::{
     Feature, FeatureValue, KNOTS, Law, MAX_BACKGROUND, Most, Novelty, Projection, Rise,
 };
 pub use crate::regression::Regression;
-pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
+pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_SEGMENT_ROWS};
 pub use crate::shaft::balance::{Balance, StateVariable, TERMS};
 pub use crate::shaft::delays::{Lags, MAX_LAG};
-pub use crate::shaft::orders::{Blocks, CONTROLS, TrackedOrder, Tracking, q16};
-pub use crate::shaft::state::ShaftConstants;
+pub use crate::shaft::orders::{Blocks, CONTROLS, LAGS, TrackedOrder, Tracking, q16};
+pub use crate::shaft::state::{BRIDGE, ShaftConstants};
 pub use crate::signal::{Channel, Label, Name};
 pub use bytes::{MAX_BYTES, layout, notes, stored_len};
 pub use checked::Model;
 pub use constants::Constants;
 pub use error::{Field, ModelError};
 #[doc(hidden)]
-pub use mark::mark;
+pub use identity::identity;
 #[doc(hidden)]
 pub use parts::{Parts, RegressionParts, RunParts, ShaftParts};
-pub use sampling::{MAX_BLOCK_MEAN, Sampling};
+pub use sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};
 #[doc(hidden)]
 pub use validate::check;
 

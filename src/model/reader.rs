@@ -2,6 +2,7 @@
 //!
 //! Lengths are those of the plan; ranges are checked later, except for bytes that select one of a few variants.
 
+use super::bytes::NEWER;
 use super::{
     Background, Balance, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Directions, Discriminant,
     EvidenceConstants, Feature, Field, Forgetting, KNOTS, Label, Lags, ModelError, Name, Novelty, Projection,
@@ -10,7 +11,6 @@ use super::{
 use crate::plan::{
     Array, Cells, Kind, Layout, MAX_HARMONICS, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
 };
-use crate::reason::FrictionTerm;
 use crate::signal::Park;
 
 /// Stands for "none" in a byte.
@@ -79,10 +79,10 @@ impl Reader<'_> {
         if self.flag(Field::Layout)? {
             let structure = Structure { offset: self.flag(Field::Layout)?, ..Structure::from_orders(self.array()?) };
             let method = if self.flag(Field::Layout)? { Method::Instruments } else { Method::LeastSquares };
-            let memory = match self.choice(2, Field::Layout)? {
+            let memory = match self.u8()? {
                 0 => Memory::Segment,
-                1 => Memory::LongSegment,
-                _ => Memory::Fading,
+                2 => Memory::Fading,
+                _ => return Err(ModelError::OutOfRange(Field::Layout)),
             };
             let [y, u1, u2] = self.signals()?;
             layout.regression = Some(RegressionLayout { structure, method, memory, y, u1, u2 });
@@ -103,21 +103,9 @@ impl Reader<'_> {
     }
 
     pub(crate) fn feature(&mut self) -> Result<Feature, ModelError> {
-        let [kind, place] = self.array()?;
-        let term = || FrictionTerm::ALL.get(place as usize).copied().ok_or(ModelError::OutOfRange(Field::Feature));
-        Ok(match kind {
-            0 => Feature::Parameter(place),
-            1 => Feature::LogVariance,
-            2 => Feature::Friction(term()?),
-            3 => Feature::FrictionScore(term()?),
-            4 => Feature::LogFrictionVariance,
-            5 => Feature::OrderScore(place),
-            6 => Feature::LogOrderAmplitude(place),
-            7 => Feature::LogFriction(term()?),
-            8 => Feature::ChannelMean(place),
-            9 => Feature::ChannelRms(place),
-            _ => return Err(ModelError::OutOfRange(Field::Feature)),
-        })
+        let code = self.array()?;
+        let refused = if Feature::is_newer(code) { NEWER } else { ModelError::OutOfRange(Field::Feature) };
+        Feature::of_code(code).ok_or(refused)
     }
 }
 

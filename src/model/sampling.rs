@@ -4,6 +4,8 @@ use crate::signal::Park;
 
 /// Longest block mean: plain sums of more samples lose digits.
 pub const MAX_BLOCK_MEAN: u16 = 1000;
+/// Largest number of samples of a segment, after averaging.
+pub const MAX_SEGMENT_SAMPLES: u32 = 1_000_000;
 
 /// When samples are taken and how many make a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]

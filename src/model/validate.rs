@@ -8,12 +8,12 @@
 use super::error::{Field, ModelError};
 use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
 use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, reaches, split};
-use super::sampling::{MAX_BLOCK_MEAN, Sampling};
+use super::sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};
 use crate::alarm::EvidenceConstants;
 use crate::decide::{Background, Covariate, Direction, MAX_SURPRISE, Rise};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
 use crate::regression::estimate::is_stable;
-use crate::regression::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
+use crate::regression::factor::{MAX_LAMBDA, MAX_SEGMENT_ROWS};
 use crate::shaft::{Blocks, Lags, MAX_BLOCKS, MAX_LAG, StateVariable, TrackedOrder, least_steps};
 use crate::signal::{Channel, Label};
 
@@ -77,7 +77,7 @@ pub const fn check(parts: &Parts<'_>) -> Result<(), ModelError> {
     require!(block_mean >= 1 && block_mean <= MAX_BLOCK_MEAN, BlockMean);
     // Only the regression averages.
     require!(block_mean == 1 || layout.regression.is_some(), BlockMean);
-    require!(segment_samples > 0 && segment_samples <= MAX_LONG_SEGMENT_ROWS, SegmentLength);
+    require!(segment_samples > 0 && segment_samples <= MAX_SEGMENT_SAMPLES, SegmentLength);
     pass!(check_channels(parts));
     match (&layout.regression, &parts.regression) {
         (Some(layout), Some(regression)) => pass!(check_regression(layout, regression, parts)),
@@ -142,7 +142,7 @@ const fn check_regression(
     let segment_samples = parts.sampling.segment_samples;
     let longest = match layout.memory {
         Memory::Segment => MAX_SEGMENT_ROWS,
-        Memory::LongSegment | Memory::Fading => MAX_LONG_SEGMENT_ROWS,
+        Memory::Fading => MAX_SEGMENT_SAMPLES,
     };
     let shortest = columns.saturating_add(layout.structure.depth());
     require!(segment_samples <= longest && segment_samples as usize > shortest, SegmentLength);

@@ -5,9 +5,7 @@ use super::{
     Background, Blocks, Channel, Classifier, Constants, Covariate, Direction, Directions, Discriminant, Feature, Lags,
     ModelError, Regression, Rise, ShaftConstants, StateVariable,
 };
-use crate::checksum::Crc32;
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
-use crate::reason::FrictionTerm;
 use crate::signal::Park;
 
 /// Where the bytes go.
@@ -27,20 +25,6 @@ impl Sink for Buffer<'_> {
         let cells = self.free.get_mut(self.written..end).ok_or(ModelError::BufferTooSmall)?;
         cells.iter_mut().zip(bytes).for_each(|(cell, byte)| *cell = *byte);
         self.written = end;
-        Ok(())
-    }
-}
-
-/// Checksum and number of the bytes, without a buffer.
-pub(super) struct Sum {
-    pub(super) crc: Crc32,
-    pub(super) count: usize,
-}
-
-impl Sink for Sum {
-    fn take(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
-        self.crc.add(bytes);
-        self.count = self.count.saturating_add(bytes.len());
         Ok(())
     }
 }
@@ -68,7 +52,6 @@ impl<S: Sink> Writer<S> {
             self.bytes(&structure.orders())?;
             let memory = match memory {
                 Memory::Segment => 0,
-                Memory::LongSegment => 1,
                 Memory::Fading => 2,
             };
             self.bytes(&[u8::from(method == Method::Instruments), memory])?;
@@ -90,22 +73,7 @@ impl<S: Sink> Writer<S> {
     }
 
     pub(crate) fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
-        let place = |term: FrictionTerm| {
-            let places = (0_u8..).zip(FrictionTerm::ALL);
-            places.into_iter().find(|(_, other)| *other == term).map_or(0, |(place, _)| place)
-        };
-        self.bytes(&match feature {
-            Feature::Parameter(place) => [0, place],
-            Feature::LogVariance => [1, 0],
-            Feature::Friction(term) => [2, place(term)],
-            Feature::FrictionScore(term) => [3, place(term)],
-            Feature::LogFrictionVariance => [4, 0],
-            Feature::OrderScore(place) => [5, place],
-            Feature::LogOrderAmplitude(place) => [6, place],
-            Feature::LogFriction(term) => [7, place(term)],
-            Feature::ChannelMean(channel) => [8, channel],
-            Feature::ChannelRms(channel) => [9, channel],
-        })
+        self.bytes(&feature.code())
     }
 }
 

@@ -3,8 +3,20 @@
 use super::Layout;
 use super::lengths::{FILTERED_MOMENTS, triangle};
 
-/// Most elements of each array of a plan that [`bounded_plan!`](crate::bounded_plan!) defines, by the names of
-/// [`Layout`].
+/// Most elements of each array of a plan of all models up to these bounds, by the names of [`Layout`].
+///
+/// ```
+/// use bearing_watch::plan::{Bounds, Layout, Plan};
+/// const LARGEST: Bounds = Bounds {
+///     channels: 3, columns: 8, parameters: 7, delays: 4, filters: 0, orders: 0, averages: 2, features: 8,
+///     covariates: 1, coordinates: 4, rising: 0, directions: 0, classes: 3, map: 32, densities: 10,
+/// };
+/// bearing_watch::plan! {
+///     /// The plan of small models.
+///     pub struct Small(LARGEST);
+/// }
+/// assert!(Small::of(Layout { channels: 4, ..Layout::EMPTY }).is_none());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bounds {
@@ -79,10 +91,6 @@ impl Bounds {
         1
     }
 
-    pub const fn two_level(&self) -> usize {
-        1
-    }
-
     pub const fn columns(&self) -> usize {
         self.columns
     }
@@ -150,52 +158,4 @@ impl Bounds {
     pub const fn costs(&self) -> usize {
         self.classes * self.classes
     }
-}
-
-/// Defines a [`Plan`](crate::plan::Plan) of all models up to some [`Bounds`], whose layout a model brings. A larger
-/// model is refused.
-///
-/// ```
-/// use bearing_watch::plan::{Bounds, Layout, Plan};
-/// const LARGEST: Bounds = Bounds {
-///     channels: 3, columns: 8, parameters: 7, delays: 4, filters: 0, orders: 0, averages: 2, features: 8,
-///     covariates: 1, coordinates: 4, rising: 0, directions: 0, classes: 3, map: 32, densities: 10,
-/// };
-/// bearing_watch::bounded_plan! {
-///     /// The plan of small models.
-///     pub struct Small(LARGEST);
-/// }
-/// assert!(Small::of(Layout { channels: 4, ..Layout::EMPTY }).is_none());
-/// ```
-#[macro_export]
-macro_rules! bounded_plan {
-    ($(#[$of_plan:meta])* $visibility:vis struct $plan:ident($bounds:expr);) => {
-        $(#[$of_plan])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        $visibility struct $plan($crate::plan::Layout);
-
-        const _: () = {
-            const BOUNDS: $crate::plan::Bounds = $bounds;
-
-            impl $crate::plan::Plan for $plan {
-                type Sample = $crate::plan::Values<[f32; BOUNDS.channels]>;
-                $crate::plan_types!(Bounded, Bounded, BOUNDS);
-
-                #[inline(always)]
-                fn layout(self) -> $crate::plan::Layout {
-                    self.0
-                }
-
-                fn of(layout: $crate::plan::Layout) -> Option<Self> {
-                    BOUNDS.hold(&layout).then_some(Self(layout))
-                }
-
-                fn channels() -> Option<&'static [(&'static str, &'static str)]> {
-                    None
-                }
-            }
-
-            $crate::defmt_formats!($plan);
-        };
-    };
 }

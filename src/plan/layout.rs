@@ -30,8 +30,6 @@ pub enum Method {
 pub enum Memory {
     /// Each segment starts empty and gives its rows equal weight; at most 1e5 rows.
     Segment,
-    /// The same for segments of up to 1e6 rows, summed in two levels.
-    LongSegment,
     /// The weight of a row decays exponentially; the estimate continues across segments.
     Fading,
 }

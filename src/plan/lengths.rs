@@ -10,7 +10,7 @@
 //! ```
 
 use super::Structure;
-use super::layout::{Kind, Layout, Memory, Method, RegressionLayout};
+use super::layout::{Kind, Layout, Method, RegressionLayout};
 
 /// Samples held to delay signals, and behind a filter; see [`delays`](crate::shaft::delays).
 pub(crate) const MOMENTS: usize = 8;
@@ -72,13 +72,6 @@ impl Layout {
     #[must_use]
     pub const fn instruments(&self) -> usize {
         matches!(self.regression, Some(regression) if matches!(regression.method, Method::Instruments)) as usize
-    }
-
-    /// 1 if rows are summed in two levels.
-    #[inline]
-    #[must_use]
-    pub const fn two_level(&self) -> usize {
-        matches!(self.regression, Some(regression) if matches!(regression.memory, Memory::LongSegment)) as usize
     }
 
     /// M.

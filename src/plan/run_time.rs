@@ -14,7 +14,7 @@ pub type RunTimeSample = Values<Vec<f32>>;
 
 impl Plan for RunTime {
     type Sample = RunTimeSample;
-    crate::plan_types!(AnyLength, AnyLength, Layout::EMPTY);
+    crate::plan!(@types AnyLength, AnyLength, Layout::EMPTY);
 
     #[inline(always)]
     fn layout(self) -> Layout {

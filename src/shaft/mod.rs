@@ -30,13 +30,11 @@ pub(crate) mod balance;
 pub(crate) mod delays;
 pub(crate) mod orders;
 mod plausibility;
-mod rotor;
 pub(crate) mod solve;
 pub(crate) mod state;
 
 pub use balance::{Friction, Parameter};
 pub use orders::{Bearing, OrderStrength};
-pub use rotor::{RotorChange, RotorLimits, RotorLine, RotorMap, RotorSettings, RotorTable};
 pub use state::ShaftEstimate;
 
 pub(crate) use balance::{Balance, LEAST_FROM_ROWS, StateVariable};

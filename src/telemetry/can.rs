@@ -13,8 +13,8 @@
 //! let (mut detector, mut monitor) = (Detector::new(&MODEL), Monitor::new(&MODEL));
 //! for k in 0..5000 {
 //!     let sample = Sample { current_a: (0.1 * k as f32).sin(), velocity_ref_rad_s: 0.5, load_torque_nm: 0.0 };
-//!     if let Some(segment) = detector.collect(&sample) {
-//!         let report = monitor.conclude(segment).report.clone();
+//!     if let Some(now) = monitor.step(&mut detector, &sample) {
+//!         let report = now.report.clone();
 //!         let bytes = SegmentFrame::of(&MODEL, &report, monitor.evidence()).to_bytes();
 //!         // can.send(id, bytes)
 //!         let frame = SegmentFrame::from_bytes(bytes).ok_or("not a segment")?;

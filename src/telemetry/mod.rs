@@ -82,7 +82,6 @@
 //!
 //! A frame has at most content · 255/254 + 6 bytes; the content is 10 bytes, the fields, and the lists.
 
-#[cfg(feature = "embedded-can")]
 mod bus;
 mod can;
 mod codes;

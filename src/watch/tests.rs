@@ -34,9 +34,8 @@ fn concluded(watch: &'static Watch<Drive>) -> Option<Report<Drive>> {
 fn alone(stream: impl Iterator<Item = Sample>) -> Vec<Report<Drive>> {
     let (mut detector, mut monitor, mut reports) = (Detector::new(&MODEL), Monitor::new(&MODEL), Vec::new());
     for sample in stream {
-        if let Some(segment) = detector.collect(&sample) {
-            detector.adopt(monitor.conclude(segment).report);
-            reports.push(monitor.report().unwrap().clone());
+        if let Some(now) = monitor.step(&mut detector, &sample) {
+            reports.push(now.report.clone());
         }
     }
     reports
@@ -236,12 +235,11 @@ fn readings_pass_the_front_end_and_its_faults_are_told_with_each_segment() {
         if watch.sample(raw) {
             watch.collect();
         }
-        if let Some(clean) = front_end.push(&raw)
-            && let Some(segment) = detector.collect(&clean.into())
-        {
+        if let Some(clean) = front_end.push(&raw) {
             monitor.tell_alignment(front_end.faults().alignment);
-            detector.adopt(monitor.conclude(segment).report);
-            expected.push(monitor.report().unwrap().clone());
+            if let Some(now) = monitor.step(&mut detector, &clean.into()) {
+                expected.push(now.report.clone());
+            }
         }
         reports.extend(watch.advance(|now| now.report.clone()));
     }

@@ -8,11 +8,11 @@ mod support;
 mod streams;
 
 use bearing_watch::drive::{AlphaBeta, BlockMean, RotorFrame};
-use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{
     Channel, Classifier, Covariates, Discriminant, Feature, FeatureValue, Forgetting, Novelty, Projection, Regression,
 };
 use bearing_watch::plan::{Array, Cells, Fixed, Kind, Layout, Memory, Method, Plan, RegressionLayout, Structure};
+use bearing_watch::recursive::{RecursiveEstimator, Triangle};
 use bearing_watch::{Angle, Detector, Evidence, Model, Park};
 
 use support::hash::Hash;
@@ -56,10 +56,10 @@ fn run() {
     sizes!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21);
     estimator();
     streams::run(|number, outcomes| {
-        let streams::Outcomes { plain, two_level, fading } = outcomes;
-        let solved = [plain, two_level, fading].map(|outcome| outcome.solved);
-        let (plain, two_level, fading) = (plain.bits, two_level.bits, fading.bits);
-        say!("stream {number} {plain:08x}, two levels {two_level:08x}, fading {fading:08x}, solved {solved:?}");
+        let streams::Outcomes { plain, fading } = outcomes;
+        let solved = [plain, fading].map(|outcome| outcome.solved);
+        let (plain, fading) = (plain.bits, fading.bits);
+        say!("stream {number} {plain:08x}, fading {fading:08x}, solved {solved:?}");
     });
     let mut hash = Hash::new();
     let mut numbers = Numbers(11);
@@ -141,7 +141,7 @@ fn triangle<const M: usize, const P: usize>() {
 fn estimator() {
     let regression = Regression { scale: [1.0, 4.0, 0.5, 1.0, 2.0, 1.0, 8.0], ..Regression::new(Six) };
     let channels = [("y", "A"), ("u1", "rad/s"), ("u2", "N·m")].map(|(name, unit)| Channel::within(name, unit, 4.0));
-    let mut estimator = Alone::new(Six, &channels, &regression);
+    let mut estimator = RecursiveEstimator::new(Six, &channels, &regression);
     let (mut numbers, mut y) = (Numbers(7), [0.0_f32; 2]);
     for k in 0..3000 {
         let [u1, u2, e] = numbers.array();

@@ -10,9 +10,9 @@ mod model;
 use core::hint::black_box;
 
 use bearing_watch::drive::{AlphaBeta, RotorFrame};
-use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{Channel, FeatureValue, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Plan};
+use bearing_watch::recursive::{RecursiveEstimator, Triangle};
 use bearing_watch::{Angle, Detector, Evidence, Exchange, Model, Monitor, Park, Segment};
 
 use support::count::Counter;
@@ -56,7 +56,6 @@ fn run() {
     decimation::measure(counter, |name, factor, instructions, bytes| {
         report(name, factor, instructions, bytes);
     });
-    support::rotor::measure(counter, report);
     support::front_end::measure(counter, |name, factor, instructions, bytes| {
         line(format_args!("front end, {name}"), factor, instructions, Some(bytes));
     });
@@ -135,7 +134,7 @@ fn estimator<P: Plan>(
     let samples: [P::Sample; 256] = core::array::from_fn(|_| convert(plant.sample()));
     let kinds = [(&without, &plain, "sample"), (&with, &guarded, "sample, stuck sensor and outliers told")];
     for (channels, constants, what) in kinds {
-        let mut alone = Alone::new(plan, black_box(channels), black_box(constants));
+        let mut alone = RecursiveEstimator::new(plan, black_box(channels), black_box(constants));
         samples.iter().cycle().take(300).for_each(|sample| alone.step(sample));
         let mut next = samples.iter().cycle();
         let mut worst = 0;
@@ -149,7 +148,7 @@ fn estimator<P: Plan>(
         line(format_args!("{name} {what}"), 8, step, Some(size_of_val(&alone)));
         line(format_args!("{name} {what}, worst of 64"), 8, worst, None);
     }
-    let mut alone = Alone::new(plan, &with, &guarded);
+    let mut alone = RecursiveEstimator::new(plan, &with, &guarded);
     samples.iter().cycle().take(500).for_each(|sample| alone.step(sample));
     let mut closed = alone.clone().detach();
     let solve = counter.instructions_once(|| while black_box(&mut closed).advance(black_box(&guarded)).is_none() {});
@@ -221,26 +220,27 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
         if let Exchange::Closed(place) = closed {
             close = one;
             segment = Some(place.clone());
-            monitor.conclude_from(place);
+            monitor.take_from(place);
+            monitor.complete();
             spare = Some(place);
         } else if number >= length {
             (total, longest) = (total + one, one.max(longest));
         }
     }
-    let Some(segment) = segment else { return };
+    let Some(mut segment) = segment else { return };
     line(format_args!("{name}, collect, mean sample"), n, total / (length - 1), Some(size_of_val(&detector)));
     line(format_args!("{name}, collect, longest sample"), n, longest, None);
     line(format_args!("{name}, collect, sample that closes"), n, close, Some(size_of_val(&segment)));
-    line(format_args!("{name}, collect by copy, sample that closes"), n, copied(counter, model, samples), None);
     let (mut verdict, mut place) = (None, segment.clone());
     let whole = counter.instructions_once(|| {
-        verdict = Some(black_box(&mut monitor).conclude_from(black_box(&mut place)).report.verdict);
+        black_box(&mut monitor).take_from(black_box(&mut place));
+        verdict = black_box(&mut monitor).complete().map(|now| now.report.verdict);
     });
     line(format_args!("{name}, conclude"), n, whole, None);
     if let Some(bearing_watch::Verdict::Undetermined(reason)) = verdict {
         say!("no verdict: {reason}");
     }
-    monitor.take(segment);
+    monitor.take_from(&mut segment);
     let (mut steps, mut largest) = (0, 0);
     while monitor.is_solving() {
         let step = counter.instructions_once(|| {
@@ -259,21 +259,6 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
     line(format_args!("{name}, reading and checking its model"), n, reading, Some(written));
     if !read {
         say!("the model cannot be read back");
-    }
-}
-
-/// The sample that closes a segment whose sums are copied and cleared.
-fn copied<P: Plan>(counter: &mut Counter, model: &Model<P>, samples: &[P::Sample]) -> u32 {
-    let (mut detector, mut next) = (Detector::new(black_box(model)), samples.iter().cycle());
-    let mut segment = None;
-    loop {
-        let Some(sample) = next.next() else { return 0 };
-        let one = counter.instructions_per_call(1, |_| {
-            segment = black_box(&mut detector).collect(black_box(sample));
-        });
-        if black_box(&segment).is_some() {
-            return one;
-        }
     }
 }
 

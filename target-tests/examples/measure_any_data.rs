@@ -88,12 +88,7 @@ const CALLS: [&str; 6] =
 fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<P>, good: &[P::Sample]) {
     let Some(model) = shortened(model) else { return say!("{name}: no model with short segments") };
     let model = &model;
-    // With filters and lags filled, at the start of a segment.
-    let mut warm = Detector::new(model);
-    good.iter().for_each(|sample| {
-        black_box(warm.collect(sample));
-    });
-    let worst = search(|recipe| stream(counter, &warm, model, good, recipe));
+    let worst = search(|recipe| stream(counter, model, good, recipe));
     for (call, Worst { instructions, trial, .. }) in CALLS.into_iter().zip(worst) {
         line(format_args!("{name}, {call}"), n, instructions, trial);
     }
@@ -114,13 +109,7 @@ fn shortened<P: Plan>(model: &Model<P>) -> Option<Model<P>> {
 }
 
 /// Runs a stream; returns the most instructions of each of [`CALLS`].
-fn stream<P: Plan>(
-    counter: &mut Counter,
-    warm: &Detector<'_, P>,
-    model: &Model<P>,
-    good: &[P::Sample],
-    recipe: &Recipe,
-) -> [u32; CALLS.len()] {
+fn stream<P: Plan>(counter: &mut Counter, model: &Model<P>, good: &[P::Sample], recipe: &Recipe) -> [u32; CALLS.len()] {
     let [mut sample_most, mut close_most, mut conclude_most, mut step_most, mut adopt_most, mut discard_most] =
         [0; CALLS.len()];
     let limits: [f32; CHANNELS] =
@@ -128,8 +117,16 @@ fn stream<P: Plan>(
     let mut damage = Damage::new(recipe);
     let mut choices = Dice(recipe.seed() ^ 0x5555_5555);
     let [mut one, mut other] = [(); 2].map(|()| Segment::new(model));
-    let start = if choices.below(4) == 0 { Detector::new(model) } else { warm.clone() };
-    let (mut detector, mut spare) = (start.in_place(&mut one), Some(&mut other));
+    let (mut detector, mut spare) = (Detector::with_place(model, &mut one), Some(&mut other));
+    if choices.below(4) != 0 {
+        // With filters and lags filled, at the start of a segment.
+        good.iter().for_each(|sample| {
+            if let Exchange::Closed(place) = detector.exchange(sample, &mut spare) {
+                place.clone_from(&Segment::new(model));
+                spare = Some(place);
+            }
+        });
+    }
     let mut monitor = Monitor::new(model);
     // The report of the last segment, and the number of samples until it is handed over.
     let mut late = None;
@@ -152,7 +149,8 @@ fn stream<P: Plan>(
         if let Exchange::Closed(place) = closed {
             if choices.below(3) > 0 {
                 let whole = counter.instructions_once(|| {
-                    black_box(black_box(&mut monitor).conclude_from(black_box(place)).alarm);
+                    black_box(&mut monitor).take_from(black_box(place));
+                    black_box(black_box(&mut monitor).complete().is_some());
                 });
                 conclude_most = whole.max(conclude_most);
             } else {

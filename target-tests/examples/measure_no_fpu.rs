@@ -7,7 +7,7 @@ mod support;
 
 use core::hint::black_box;
 
-use bearing_watch::Detector;
+use bearing_watch::{Detector, Exchange, Segment};
 
 use support::count::Counter;
 use support::{refined, squares};
@@ -25,14 +25,20 @@ fn run() {
         say!("instructions are counted on the target only: cargo xtask measure");
         return;
     };
-    let (mut detector, mut plant) = (Detector::new(black_box(&squares::MODEL)), refined::Plant::new(6));
+    let [mut one, mut other] = [(); 2].map(|()| Segment::new(&squares::MODEL));
+    let (mut detector, mut spare) = (Detector::with_place(black_box(&squares::MODEL), &mut one), Some(&mut other));
+    let mut plant = refined::Plant::new(6);
     let (mut total, mut longest) = (0, 0);
     for number in 0..SETTLING + CALLS {
         let refined::Sample { y, u1, u2 } = plant.sample();
         let sample = squares::Sample { y, u1, u2 };
+        let mut closed = Exchange::Open;
         let one = counter.instructions_once(|| {
-            black_box(black_box(&mut detector).collect(black_box(&sample)).is_some());
+            closed = black_box(&mut detector).exchange(black_box(&sample), black_box(&mut spare));
         });
+        if let Exchange::Closed(place) = closed {
+            spare = Some(place);
+        }
         if number >= SETTLING {
             (total, longest) = (total + one, one.max(longest));
         }

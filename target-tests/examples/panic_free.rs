@@ -26,11 +26,11 @@ mod numbers;
 #[allow(dead_code, reason = "no bits are wanted here")]
 #[path = "support/raw.rs"]
 mod raw;
+#[path = "support/recursive_calls.rs"]
+mod recursive_calls;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "../../examples/support/refined.rs"]
 mod refined;
-#[path = "support/rotor_calls.rs"]
-mod rotor_calls;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]
 mod shaft;
@@ -67,7 +67,6 @@ fn run() {
     converter::run(|error| show(error));
     storage_calls::run(|error| show(error));
     signature_calls::run(|error| show(error));
-    rotor_calls::run();
     watch_calls::run(|error| show(error));
     plans();
     constants();
@@ -80,7 +79,6 @@ fn run() {
     detector(&shaft::MODEL, |values| motion(values).into());
     detector(&shaft::LOADLESS, |values| motion(values).into());
     fading();
-    long();
     largest();
 }
 
@@ -160,7 +158,7 @@ fn plans() {
         show(error);
     }
     opaque([Layout::regressed(&layout), Layout::squares(&layout), Layout::instruments(&layout)]);
-    opaque([Layout::two_level(&layout), Layout::columns(&layout), Layout::packed(&layout)]);
+    opaque([Layout::columns(&layout), Layout::packed(&layout)]);
     opaque(Layout::moments(&layout));
     opaque([Layout::parameters(&layout), Layout::covariance(&layout), Layout::delays(&layout)]);
     opaque([Layout::filters(&layout), Layout::watched(&layout), Layout::orders(&layout), Layout::map(&layout)]);
@@ -233,11 +231,9 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             telemetry_calls::on_can(model, &report, &evidence);
         }
         telemetry_calls::record(model, &sample, |error| show(error));
-        if let Some(segment) = opaque(Detector::collect(&mut detector, &sample)) {
-            opaque(segment);
-        }
     }
     monitor_calls::exchange(model, || sample(numbers.array()));
+    recursive_calls::run(model, || sample(numbers.array()));
     opaque((Detector::pending(&detector), Detector::counts(&detector), Detector::preview(&detector)));
     told(model, &opaque(Detector::finish(&mut detector)));
     Detector::discard(opaque(&mut detector));
@@ -270,7 +266,7 @@ fn about<P: Plan>(model: &Model<P>) {
     let (plan, constants) = (Model::plan(model), Model::constants(model));
     let layout = opaque(<P as Plan>::layout(plan));
     opaque(<P as Plan>::of(layout).is_some());
-    opaque((Model::label(model, opaque(200)), <P as Plan>::channels(), Model::mark(model)));
+    opaque((Model::label(model, opaque(200)), <P as Plan>::channels()));
     opaque(Model::verdict_name(model, opaque(Verdict::Novel)));
     if let Err(error) = Model::check_interval(model, opaque(0.001)) {
         show(error);
@@ -417,7 +413,6 @@ regression!(fading RegressionLayout {
     memory: Memory::Fading,
     ..largest_layout()
 });
-regression!(long RegressionLayout { memory: Memory::LongSegment, ..largest_layout() });
 regression!(largest largest_layout());
 
 /// The errors' texts.

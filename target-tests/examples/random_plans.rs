@@ -113,18 +113,16 @@ impl<'m> Rest<'m> {
     }
 
     fn conclude(&mut self, place: &'m mut Segment<AnyPlan>) {
-        match self.dice.below(3) {
-            0 => drop(self.monitor.conclude(place.clone())),
-            1 => drop(self.monitor.conclude_from(place)),
-            _ => {
-                self.monitor.take_from(place);
-                while self.monitor.is_solving() {
-                    self.monitor.advance();
-                }
+        self.monitor.take_from(place);
+        if self.dice.below(2) == 0 {
+            self.monitor.complete();
+        } else {
+            while self.monitor.is_solving() {
+                self.monitor.advance();
             }
         }
         self.spare = Some(place);
-        let (alarm, score) = (self.monitor.alarm(), self.monitor.evidence().score());
+        let (alarm, score) = (self.monitor.evidence().alarm(), self.monitor.evidence().score());
         let Some(report) = self.monitor.report().cloned() else { return };
         self.segments += 1;
         self.decided += u32::from(!matches!(report.verdict, Verdict::Undetermined(_)));

@@ -46,7 +46,7 @@ fn run() {
     depths("stack, detector with shaft of 4 orders", &shaft::MODEL, || plant.motion().into());
 }
 
-/// Prints bytes of a sample inside a segment, and of the one that ends it; by `collect`, of `conclude`, and of a step
+/// Prints bytes of a sample inside a segment, and of the one that ends it; by `exchange`, of a whole solve, and of a step
 /// of the solve.
 #[cfg(target_os = "none")]
 fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::Sample) {
@@ -69,14 +69,18 @@ fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::
     }
     assert_eq!(classified, 2, "a segment brought no class: {last:?}");
     let [mut one, mut other] = [(); 2].map(|()| Segment::new(model));
-    let (mut detector, mut spare) = (detector.in_place(&mut one), Some(&mut other));
-    let mut collect = 0;
+    let (mut detector, mut spare) = (Detector::with_place(model, &mut one), Some(&mut other));
+    let (mut collect, mut segments) = (0, 0);
     let segment = loop {
         let (sample, mut closed) = (black_box(sample()), Exchange::Open);
         let bytes = stack_of(|| closed = black_box(detector.exchange(&sample, &mut spare)));
         collect = bytes.max(collect);
         if let Exchange::Closed(place) = closed {
-            break place;
+            segments += 1;
+            if segments == 2 {
+                break place;
+            }
+            spare = Some(place);
         }
     };
     let mut monitor = Monitor::new(model);
@@ -90,8 +94,9 @@ fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::
         .max(step);
     }
     let conclude = stack_of(|| {
-        let now = monitor.conclude_from(&mut again);
-        classified += u32::from(matches!(black_box(&now).report.verdict, Verdict::Class(_)));
+        monitor.take_from(&mut again);
+        let verdict = black_box(monitor.complete()).map(|now| now.report.verdict);
+        classified += u32::from(matches!(verdict, Some(Verdict::Class(_))));
     });
     assert_eq!(classified, 3, "a segment brought no class");
     let calls = [

@@ -15,8 +15,7 @@ use crate::setup::{self, LLVM};
 use crate::{child, workspace};
 
 /// Every feature of the core.
-const FEATURES: &str =
-    "alloc,bounded,defmt,embedded-can,embedded-hal,embedded-storage,internals,nalgebra,signature,telemetry";
+const FEATURES: &str = "alloc,bounded,defmt,embedded-hal,embedded-storage,signature,telemetry";
 
 /// Options of the command.
 #[derive(Args, Debug)]

@@ -86,12 +86,10 @@ fn build_with(way: Way, board: Board, example: &str, settings: &[String]) -> Res
 /// Checks every example with every feature of the core but `alloc`, which is for hosts. Checks, since each example is
 /// also built with its own features, and building takes minutes.
 pub fn check_all_features(way: Way, board: Board) -> Result<()> {
-    const FEATURES: &str =
-        "bounded,defmt,embedded-can,embedded-hal,embedded-storage,internals,signature,telemetry,watch";
+    const FEATURES: &str = "bounded,defmt,embedded-hal,embedded-storage,signature,telemetry,watch";
     for package in PACKAGES {
         let (mut cargo, _) = cargo_to("check", way, board);
-        let features = format!("{FEATURES},bearing-watch/nalgebra");
-        cargo.args(["--package", package, "--examples", "--no-default-features", "--features", &features]);
+        cargo.args(["--package", package, "--examples", "--no-default-features", "--features", FEATURES]);
         child::succeed(&mut cargo)?;
     }
     Ok(())
@@ -188,8 +186,7 @@ fn existing(elf: PathBuf) -> Result<PathBuf> {
 fn features(example: &str) -> &'static [&'static str] {
     match example {
         "logging" => &["--features", "defmt"],
-        "kernels" | "measure" => &["--features", "internals"],
-        "panic_free" => &["--features", "embedded-can,embedded-hal,embedded-storage,signature,telemetry,watch"],
+        "panic_free" => &["--features", "embedded-hal,embedded-storage,signature,telemetry,watch"],
         "measure_interrupt" => &["--features", "watch"],
         "random_plans" => &["--features", "bounded"],
         "footprint_seal" | "footprint_signature" | "measure_signature" | "signed" => &["--features", "signature"],

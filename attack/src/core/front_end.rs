@@ -83,7 +83,6 @@ where
             _ => front_end.clear_faults(),
         }
         let _faults = front_end.faults();
-        assert!(front_end.tracker().velocity_rad_s().is_finite());
     }
     if recovers {
         recover(front_end, &mut motor);

@@ -14,10 +14,8 @@
 
 #include "bearing_watch.h"
 
-/* Checksum of the model: another model has another one. */
-#define BW_MODEL_ID 0x696316ddu
-/* Mark of the model, for `bw_init_own`. */
-#define BW_MODEL_MARK 0x154f8ce9u
+/* Number of the model, for `bw_init_own`: another model has another one. */
+#define BW_MODEL_ID 0xe9699a4eu
 /* Number of bytes. */
 #define BW_MODEL_LENGTH 1606u
 /* Interval of the samples, s; 0 if it is unknown. */
@@ -222,7 +220,7 @@ BW_MUST_CHECK static inline BwCode bw_drive_start(BwDrive *drive, const BwFrontE
     BwCode code;
     if (bw_known_answer_test() != 0u) { return BW_CODE_ARITHMETIC; }
 #ifdef BW_LIBRARY_HAS_MODEL
-    code = bw_init_own(drive->detector_memory, sizeof drive->detector_memory, BW_MODEL_MARK, &drive->detector);
+    code = bw_init_own(drive->detector_memory, sizeof drive->detector_memory, BW_MODEL_ID, &drive->detector);
 #else
     code = bw_init(drive->detector_memory, sizeof drive->detector_memory, bw_model, BW_MODEL_LENGTH,
                    &drive->detector);

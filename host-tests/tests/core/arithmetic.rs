@@ -4,8 +4,8 @@
 
 use core::arch::asm;
 
-use bearing_watch::internals::conclude;
-use bearing_watch::{Detector, Kernel, Reason, Verdict, arithmetic_test, known_answer_test};
+use bearing_watch::{Kernel, Reason, Verdict, arithmetic_test, known_answer_test};
+use host_tests::halves::{Interrupt, conclude};
 
 use crate::standard_rig;
 use standard_rig::model::MODEL;
@@ -34,7 +34,7 @@ fn the_first_segment_tells_of_an_interrupt_that_computes_otherwise() {
         assert_eq!(known_answer_test(), Ok(()), "in main");
         assert_eq!(in_context(bits, known_answer_test), Err(kernel));
         assert_eq!(in_context(bits, arithmetic_test), Err(kernel));
-        let mut detector = Detector::new(&MODEL);
+        let mut detector = Interrupt::new(&MODEL);
         let mut stream = standard_rig::samples();
         let segment = in_context(bits, || stream.find_map(|sample| detector.collect(&sample))).expect("a segment");
         let report = conclude(&MODEL, segment);
@@ -44,7 +44,7 @@ fn the_first_segment_tells_of_an_interrupt_that_computes_otherwise() {
         let segment = stream.find_map(|sample| detector.collect(&sample)).expect("a segment");
         let report = in_context(bits, || conclude(&MODEL, segment));
         assert_eq!(report.verdict, Verdict::Undetermined(Reason::Arithmetic(kernel)));
-        let report = stream.find_map(|sample| detector.step(&sample)).expect("a segment");
+        let report = conclude(&MODEL, stream.find_map(|sample| detector.collect(&sample)).expect("a segment"));
         assert!(matches!(report.verdict, Verdict::Class(_)), "as ever: {report:?}");
     }
 }

@@ -4,14 +4,11 @@
 //! ρ is the numerical error in units of the estimate's own standard deviation, √(Δᵀ cov⁻¹ Δ / n). The raw regressors
 //! of these cases have condition numbers from 1.8e3 to 2.6e6.
 
-use bearing_watch::internals::{Inputs, Rows, Triangle};
-use bearing_watch::model::Forgetting;
-use bearing_watch::plan::Plan;
 use bearing_watch::plan::Structure;
+use host_tests::Inputs;
 use host_tests::oracle::{self, Record};
-use host_tests::plans::Setup;
 use host_tests::plants::{Mode, PLANTS, Plant};
-use host_tests::streams::{least_squares, rho, solve};
+use host_tests::streams::{fading, least_squares, rho};
 
 struct Case {
     name: &'static str,
@@ -78,9 +75,9 @@ fn segments() {
         for (count, limit) in [(5_000, 0.02), (20_000, 0.02), (100_000, 0.05)] {
             let (structure, samples) = samples(case, 2, count);
             let setup = least_squares(structure, &samples);
-            let mut stream = setup.stream();
+            let mut stream = setup.stream(count);
             samples.iter().for_each(|sample| stream.step(sample));
-            let estimate = stream.estimator.estimate();
+            let estimate = stream.closed();
             let batch = oracle::least_squares(&Record::new(&samples), structure, structure.depth()..count, 1.0)
                 .delta(structure);
             assert_eq!((estimate.reason, estimate.rows as usize), (None, batch.rows));
@@ -95,22 +92,15 @@ fn forgetting() {
     let count = 400_000;
     for case in &CASES {
         let (structure, samples) = samples(case, 3, count);
-        let Setup { plan, constants, .. } = least_squares(structure, &samples);
-        let mut rows = Rows::new(plan, &constants);
-        let mut triangle = Triangle::new(plan.layout().columns());
         // Persistent excitation needs no floor; this one never acts.
-        let forgetting = Forgetting { lambda: 0.9999, floor: 1e-9 };
-        for sample in &samples {
-            if let Some(row) = rows.push(plan, &constants, *sample, 1e6) {
-                triangle.update_forgetting(row.cells, row.weight, forgetting);
-            }
-        }
-        let target = constants.scale[structure.parameters()];
-        let theta = solve(&triangle, 1e4);
-        let delta: Vec<f32> = theta.iter().zip(&constants.scale).map(|(theta, scale)| theta * scale / target).collect();
-        let exact = f64::from(forgetting.lambda);
+        let setup = fading(&least_squares(structure, &samples), 1e-9);
+        let mut stream = setup.stream(count);
+        samples.iter().for_each(|sample| stream.step(sample));
+        let estimate = stream.closed();
+        assert_eq!(estimate.reason, None);
+        let exact = f64::from(setup.constants.forgetting.lambda);
         let batch =
             oracle::least_squares(&Record::new(&samples), structure, structure.depth()..count, exact).delta(structure);
-        check(case.name, "λ = 0.9999", rho(&delta, &batch), 0.02);
+        check(case.name, "λ = 0.9999", rho(estimate.delta(), &batch), 0.02);
     }
 }

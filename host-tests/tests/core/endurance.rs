@@ -2,14 +2,13 @@
 //! against double precision running beside, at ten checkpoints. The usual run makes a hundredth of it; `cargo xtask
 //! long` makes all, and its table is kept in docs/endurance.md.
 
-use bearing_watch::internals::{Inputs, Rows, Triangle};
-use bearing_watch::model::Forgetting;
-use bearing_watch::plan::Plan;
+use bearing_watch::plan::Structure;
+use host_tests::Inputs;
 use host_tests::oracle::{self, Course, Record};
-use host_tests::plans::Setup;
 use host_tests::plants::{Mode, PLANTS, Plant};
-use host_tests::streams::{least_squares, outcome, refined, solve, worst};
+use host_tests::streams::{fading, least_squares, outcome, refined, worst};
 use nalgebra::{DMatrix, DVector};
+use std::collections::VecDeque;
 
 const CHECKPOINTS: usize = 10;
 
@@ -27,7 +26,7 @@ fn row(what: &str, step: &str, readings: &[f64]) {
     println!("| {what} | {step} | {} |", cells.join(" | "));
 }
 
-/// XᵀX and Xᵀy that fade, of the core's own rows.
+/// XᵀX and Xᵀy that fade, of scaled rows.
 struct Normal {
     sums: DMatrix<f64>,
     lambda: f64,
@@ -58,8 +57,21 @@ impl Normal {
     }
 }
 
+/// The row of the newest of these samples: levels, differences and the target y − y₁, each with its scale. Differences of
+/// single precision and powers of two are those of the core.
+fn scaled_row(structure: Structure, scale: &[f32], newest_first: &VecDeque<Inputs>) -> Vec<f32> {
+    let Structure { na, nb, nc, nkb, nkc, .. } = structure;
+    let signals: [(fn(&Inputs) -> f32, u8, u8); 3] = [(|s| s.y, 1, na), (|s| s.u1, nkb, nb), (|s| s.u2, nkc, nc)];
+    let columns = signals.into_iter().flat_map(|(of, delay, terms)| {
+        let at = move |k: u8| of(&newest_first[usize::from(delay + k)]);
+        (0..terms).map(move |k| if k == 0 { at(0) } else { at(k - 1) - at(k) })
+    });
+    let target = newest_first[0].y - newest_first[1].y;
+    columns.chain([target]).zip(scale).map(|(x, scale)| x * scale).collect()
+}
+
 /// λ = 0.9999 on the closed loops of `delta_form`: δ-form conditions 5 and 100.
-fn fading(samples: usize) {
+fn fading_squares(samples: usize) {
     let two: &[Mode] = &[Mode::Lag(0.05), Mode::Lag(0.003)];
     let three: &[Mode] = &[Mode::Lag(0.05), Mode::Lag(0.003), Mode::Lag(0.001)];
     let (short, long): (&[f64], &[f64]) = (&[0.6, 0.4], &[0.5, 0.3, 0.2]);
@@ -69,21 +81,24 @@ fn fading(samples: usize) {
         let plant = Plant { modes, b: (taps, 1.0), c: (taps, -0.8), colour_s, smooth, ..PLANTS[9].clone() };
         let mut source = plant.source(0.0, 21).disturbed(1e-4);
         let start: Vec<Inputs> = source.clone().take(100_000).collect();
-        let Setup { plan, constants, .. } = least_squares(plant.structure(), &start);
-        let mut rows = Rows::new(plan, &constants);
-        let columns = plan.layout().columns();
-        let mut triangle = Triangle::new(columns);
-        let forgetting = Forgetting { lambda: 0.9999, floor: 1e-9 };
-        let mut normal = Normal { sums: DMatrix::zeros(columns, columns), lambda: f64::from(forgetting.lambda) };
-        let mut readings = vec![];
+        let structure = plant.structure();
+        let setup = fading(&least_squares(structure, &start), 1e-9);
+        let (mut stream, scale) = (setup.stream(300_007), &setup.constants.scale);
+        let lambda = f64::from(setup.constants.forgetting.lambda);
+        let mut normal = Normal { sums: DMatrix::zeros(scale.len(), scale.len()), lambda };
+        let (mut history, mut readings) = (VecDeque::new(), vec![]);
         for _ in 0..CHECKPOINTS {
             for sample in source.by_ref().take(samples / CHECKPOINTS) {
-                if let Some(row) = rows.push(plan, &constants, sample, 1e6) {
-                    triangle.update_forgetting(row.cells, row.weight, forgetting);
-                    normal.update(row.cells);
+                stream.step(&sample);
+                history.push_front(sample);
+                if history.len() > structure.depth() {
+                    normal.update(&scaled_row(structure, scale, &history));
+                    history.pop_back();
                 }
             }
-            readings.push(normal.rho(&solve(&triangle, 1e4)));
+            let estimate = outcome(stream.open()).expect("an estimate");
+            let theta = estimate.delta().iter().zip(scale).map(|(x, own)| x * scale[scale.len() - 1] / own);
+            readings.push(normal.rho(&theta.collect::<Vec<f32>>()));
         }
         row(
             &format!("least squares, λ = 0.9999, {name}: ρ"),
@@ -103,7 +118,7 @@ fn segments(count: usize) {
     let mut source = plant.source(noise, 22);
     let start: Vec<Inputs> = source.clone().take(100_000).collect();
     let setup = refined(plant, &start);
-    let mut stream = setup.stream();
+    let mut stream = setup.stream(LENGTH);
     let truth = oracle::delta(structure, &plant.truth());
     let (mut readings, mut biases, mut refused) = (vec![], vec![], 0);
     for _ in 0..CHECKPOINTS {
@@ -119,7 +134,7 @@ fn segments(count: usize) {
                     tail.push(sample);
                 }
             }
-            let Ok(estimate) = outcome(stream.estimator.close()) else {
+            let Ok(estimate) = outcome(stream.closed()) else {
                 refused += 1;
                 continue;
             };
@@ -155,7 +170,7 @@ fn segments(count: usize) {
 
 #[test]
 fn fading_least_squares_short() {
-    fading(10_000_000);
+    fading_squares(10_000_000);
 }
 
 #[test]
@@ -166,7 +181,7 @@ fn refined_segments_short() {
 #[test]
 #[ignore = "1e9 samples: minutes"]
 fn fading_least_squares_long() {
-    fading(1_000_000_000);
+    fading_squares(1_000_000_000);
 }
 
 #[test]

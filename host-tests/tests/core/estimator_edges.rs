@@ -1,13 +1,11 @@
-//! Where an estimator must refuse, wait or start anew: dead and noisy outputs, a memory that fills, a drive that never
-//! moved, estimates of other segments, sums that overflowed.
+//! Where an estimator must refuse or wait: dead and noisy outputs, a memory that fills, a drive that never moved.
 
-use bearing_watch::internals::Inputs;
 use bearing_watch::model::Forgetting;
 use bearing_watch::plan::Structure;
 use bearing_watch::plan::{Memory, Method};
 use bearing_watch::{Part, Reason};
-use host_tests::plans::{Setup, Stream};
-use host_tests::streams::outcome;
+use host_tests::Inputs;
+use host_tests::streams::{Setup, outcome};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -48,13 +46,13 @@ fn refined() -> Setup {
 
 #[test]
 fn fading_memory_keeps_its_origin_over_segments() {
-    let fading = fading(STRUCTURE.with_offset(), Forgetting { lambda: 0.9999, floor: 1e-6 }, 0.0);
+    let fading = fading(STRUCTURE.with_offset(), Forgetting { lambda: 0.9999, floor: 1e-6 }, 1e-12);
     let data = stream(3, 20_000, 0.003, 0.0);
     let last = |length: usize| {
-        let mut stream = fading.stream();
+        let mut stream = fading.stream(length);
         let closed = data.chunks(length).map(|segment| {
             segment.iter().for_each(|sample| stream.step(sample));
-            stream.estimator.close()
+            stream.closed()
         });
         outcome(closed.last().expect("a segment")).expect("an estimate")
     };
@@ -74,9 +72,9 @@ fn fading_memory_keeps_its_origin_over_segments() {
 fn dead_and_noisy_outputs_are_no_models() {
     let setup = refined();
     let result = |samples: &[Inputs], change: &dyn Fn(usize, Inputs) -> Inputs| {
-        let mut stream = setup.stream();
+        let mut stream = setup.stream(3000);
         samples.iter().enumerate().for_each(|(t, sample)| stream.step(&change(t, *sample)));
-        outcome(stream.estimator.close())
+        outcome(stream.closed())
     };
     let dead = result(&stream(5, 3000, 0.0, 0.0), &|_, sample| Inputs { y: 0.0, ..sample });
     assert!(dead.is_err(), "{dead:?}");
@@ -98,9 +96,9 @@ fn a_memory_that_fills_is_not_held_by_its_floor() {
     let mut fading = fading(STRUCTURE, Forgetting { lambda: 0.9999, floor: 100.0 }, 1e-9);
     // Powers of two to rms ≈ 1, as training would find them.
     fading.constants.scale = vec![1.0, 8.0, 1.0, 4.0, 1.0, 8.0];
-    let mut stream = fading.stream();
+    let mut stream = fading.stream(20_000);
     self::stream(3, 20_000, 0.003, 0.0).iter().for_each(|sample| stream.step(sample));
-    let estimate = outcome(stream.estimator.estimate()).expect("an estimate");
+    let estimate = outcome(stream.closed()).expect("an estimate");
     for (k, truth) in TRUTH.iter().enumerate() {
         let (found, sd) = (estimate.delta()[k], estimate.deviation(k));
         // With the floor from the first row on, twelve deviations.
@@ -112,59 +110,17 @@ fn a_memory_that_fills_is_not_held_by_its_floor() {
 fn standstill_from_power_up_teaches_nothing() {
     let structure = Structure::new(1, 1, 1, 1, 1);
     let fading = fading(structure, Forgetting { lambda: 0.9999, floor: 1.0 }, 1e-3);
-    let mut stream = fading.stream();
+    let mut stream = fading.stream(1000);
     for sample in self::stream(1, 1000, 0.0, 0.01) {
         stream.step(&Inputs { y: sample.y, u1: 2.0, u2: 3.0 });
     }
-    assert_eq!((stream.estimator.rows(), stream.estimator.close().reason), (0, Some(Reason::AtRest)));
+    let estimate = stream.closed();
+    assert_eq!((estimate.rows, estimate.reason), (0, Some(Reason::AtRest)));
     let mut segments = Setup::new(structure, Method::LeastSquares, Memory::Segment, [100.0; 3]);
     segments.constants.rest = 1e-3;
-    let mut stream = segments.stream();
+    let mut stream = segments.stream(1000);
     for sample in self::stream(1, 1000, 0.0, 0.01) {
         stream.step(&Inputs { y: sample.y, u1: 2.0 + 1e-3 * sample.u1, u2: 3.0 });
     }
-    assert_eq!(stream.estimator.close().reason, Some(Reason::AtRest));
-}
-
-#[test]
-fn estimates_of_other_segments_are_refused_and_errors_stay() {
-    let mut setup = refined();
-    setup.constants.handover = 50;
-    let data = stream(5, 6000, 0.0, 0.05);
-    let mut stream = setup.stream();
-    let run = |stream: &mut Stream<'_>, segment: usize| {
-        data[2000 * segment..2000 * (segment + 1)].iter().for_each(|sample| stream.step(sample));
-    };
-    let solved =
-        |stream: &mut Stream<'_>| outcome(stream.estimator.detach().finish(&setup.constants)).expect("an estimate");
-    run(&mut stream, 0);
-    let first = solved(&mut stream);
-    run(&mut stream, 1);
-    let second = solved(&mut stream);
-    assert!(!stream.estimator.adopt(&first) && stream.estimator.adopt(&second));
-
-    setup.channels[0].stuck_samples = 3;
-    let mut stream = setup.stream();
-    run(&mut stream, 0);
-    (0..5).for_each(|_| stream.step(&Inputs { y: 1.0, u1: 0.0, u2: 0.0 }));
-    let mut segment = stream.estimator.detach();
-    for _ in 0..2 {
-        let estimate = segment.advance(&setup.constants).expect("nothing is solved");
-        assert_eq!(estimate.reason, Some(Reason::Stuck { channel: 0 }));
-    }
-}
-
-#[test]
-fn poisoned_sums_are_dropped_with_the_segment() {
-    let mut fading = fading(STRUCTURE, Forgetting { lambda: 0.999, floor: 1e-3 }, 1e-9);
-    // No validated model has such a limit: the square of 1e30 is beyond the range of f32.
-    (fading.channels[0].limit, fading.channels[0].saturation) = (f32::MAX, f32::MAX);
-    let mut stream = fading.stream();
-    let data = self::stream(4, 6000, 0.01, 0.0);
-    data[..2000].iter().for_each(|sample| stream.step(sample));
-    stream.step(&Inputs { y: 1e30, u1: 0.0, u2: 0.0 });
-    assert!(stream.estimator.close().reason.is_some());
-    stream.step(&Inputs { y: f32::NAN, u1: 0.0, u2: 0.0 });
-    data[2000..].iter().for_each(|sample| stream.step(sample));
-    assert_eq!(stream.estimator.close().reason, None);
+    assert_eq!(stream.closed().reason, Some(Reason::AtRest));
 }

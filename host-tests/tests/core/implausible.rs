@@ -1,8 +1,8 @@
 //! Signals that contradict the model or each other: no verdict, no evidence, and the reason names them.
 
-use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Angle, Detector, Evidence, Implausible, Model, Reason, Report, Verdict};
+use bearing_watch::{Angle, Detector, Evidence, Implausible, Model, Monitor, Reason, Report, Verdict};
+use host_tests::halves::{Interrupt, conclude};
 use rig::DefectKind;
 
 use crate::rig::{Motion, lag, model, model_of_angle, motions, run, trace};
@@ -27,17 +27,15 @@ fn refusal(report: &Report<RunTime>) -> Option<Implausible> {
 fn three_ways(model: &Model<RunTime>, motions: &[Motion]) -> [Report<RunTime>; 3] {
     let channels = model.constants().channels.len();
     let mut at_once = Detector::new(model);
-    let mut deferred = Detector::new(model);
+    let mut deferred = Interrupt::new(model);
     let mut found = None;
     for motion in motions {
         let sample = motion.sample(channels);
         if let (Some(report), Some(segment)) = (at_once.step(&sample), deferred.collect(&sample)) {
-            let mut solver = Solver::new(model, segment.clone());
-            let steps = loop {
-                if let Some(report) = solver.advance() {
-                    break report.clone();
-                }
-            };
+            let mut monitor = Monitor::new(model);
+            monitor.take_from(&mut segment.clone());
+            while monitor.advance().is_none() {}
+            let steps = monitor.report().expect("a report").clone();
             found = Some([report, conclude(model, segment), steps]);
         }
     }

@@ -236,7 +236,6 @@ fn sums_that_would_degrade_are_refused() {
     let memory = |memory: Memory| move |r| RegressionLayout { memory, ..r };
     let long = |c: &mut Constants<RunTime>| c.sampling.segment_samples = 100_001;
     assert_eq!(of(memory(Memory::Segment), long), Err(ModelError::OutOfRange(Field::SegmentLength)));
-    assert!(of(memory(Memory::LongSegment), long).is_ok());
     let fading = |lambda: f32, floor: f32, rest: f32| {
         of(memory(Memory::Fading), |c| {
             long(c);

@@ -1,11 +1,11 @@
 //! Regression and shaft in one detector: alone and together, behind one gate, solved at once or later.
 
-use bearing_watch::internals::{Solver, conclude};
 use bearing_watch::model::{Channel, Constants, Feature, Field, Regression, Sampling};
 use bearing_watch::plan::{
     Cells, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Structure,
 };
-use bearing_watch::{Detector, FrictionTerm, Implausible, Model, ModelError, Part, Reason, Report, Verdict};
+use bearing_watch::{Detector, FrictionTerm, Implausible, Model, ModelError, Monitor, Part, Reason, Report, Verdict};
+use host_tests::halves::{Interrupt, conclude};
 use host_tests::plans::constants;
 use rig::DefectKind;
 
@@ -218,21 +218,21 @@ fn a_stuck_channel_costs_only_the_features_of_parts_that_use_it() {
 /// Solved with the last sample, as a whole after it, and in steps, one a sample.
 fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::Sample) {
     let mut inline = Detector::new(model);
-    let (mut whole, mut steps) = (inline.clone(), inline.clone());
-    let (mut solver, mut expected, mut count, mut most) = (None::<Solver<'_, P>>, None, 0, 0);
+    let [mut whole, mut steps] = [(); 2].map(|()| Interrupt::new(model));
+    let (mut monitor, mut expected, mut count, mut most) = (Monitor::new(model), None, 0, 0);
     for (t, motion) in recording().iter().cycle().take(20_290).enumerate() {
         let sample = sample(motion);
-        if let Some(report) = solver.as_mut().and_then(|solver| solver.advance()) {
-            assert_eq!(Some(report), expected.as_ref());
-            assert!(steps.adopt(report));
-            (solver, count, most) = (None, count + 1, most.max(t % 5000));
+        if let Some(now) = monitor.advance() {
+            assert_eq!(Some(now.report), expected.as_ref());
+            assert!(steps.detector.adopt(now.report));
+            (count, most) = (count + 1, most.max(t % 5000));
         }
         let report = inline.step(&sample);
         let concluded = whole.collect(&sample).map(|segment| conclude(model, segment));
-        concluded.iter().for_each(|report| assert!(whole.adopt(report)));
+        concluded.iter().for_each(|report| assert!(whole.detector.adopt(report)));
         assert_eq!(report, concluded);
-        if let Some(segment) = steps.collect(&sample) {
-            solver = Some(Solver::new(model, segment));
+        if let Some(mut segment) = steps.collect(&sample) {
+            monitor.take_from(&mut segment);
             expected = report.inspect(|report| {
                 let (estimate, shaft) = (report.estimate().expect("estimated"), report.shaft().expect("watched"));
                 assert_eq!((estimate.reason, shaft.friction_reason, shaft.orders_reason), (None, None, None));
@@ -240,8 +240,8 @@ fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::
             });
         }
     }
-    assert_eq!((count, &whole), (4, &inline));
-    assert_eq!(steps, inline);
+    assert_eq!((count, whole.detector.preview()), (4, inline.preview()));
+    assert_eq!(steps.detector.preview(), inline.preview());
     println!("{most} samples from the end of a segment to its report in steps");
 }
 
@@ -266,22 +266,22 @@ fn a_report_is_adopted_before_the_handover_only() {
     let stream = recording();
     let mut adopted = Vec::new();
     for late in [0, 299, 300] {
-        let mut detector = Detector::new(&model);
+        let mut detector = Interrupt::new(&model);
         let segment = stream.iter().find_map(|motion| detector.collect(&all(motion))).expect("a segment");
         let report = conclude(&model, segment);
         // A refused sample does not count.
         let _ = detector.collect(&All { current_a: f32::NAN, ..all(&stream[0]) });
         stream[..late].iter().for_each(|motion| assert!(detector.collect(&all(motion)).is_none()));
-        adopted.push(detector.adopt(&report));
+        adopted.push(detector.detector.adopt(&report));
         // The next segment needs its own.
         let rest = stream.iter().cycle().skip(late).find_map(|motion| detector.collect(&all(motion)));
-        assert!(rest.is_some() && !detector.adopt(&report));
+        assert!(rest.is_some() && !detector.detector.adopt(&report));
     }
     assert_eq!(adopted, [true, true, false]);
     let shaft = crate::rig::model(lag(0.7), true, 5000);
-    let mut detector = Detector::new(&shaft);
+    let mut detector = Interrupt::new(&shaft);
     let segment = stream.iter().find_map(|motion| detector.collect(&motion.sample(3))).expect("a segment");
-    assert!(!detector.adopt(&conclude(&shaft, segment)), "no regression takes it over");
+    assert!(!detector.detector.adopt(&conclude(&shaft, segment)), "no regression takes it over");
 }
 
 #[test]

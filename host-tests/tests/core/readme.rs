@@ -62,8 +62,8 @@ fn the_rows_of_the_drive_are_those_of_its_recording_from_any_instant_on() {
             }
             reports.extend(watch.advance(|now| now.report.clone()));
             let clean: Option<CleanSample<FURTHER>> = front_end.push(&RawSample::from(*reading));
-            if let Some(segment) = clean.and_then(|clean| detector.collect(&clean.into())) {
-                expected.push(alone.conclude(segment).report.clone());
+            if let Some(now) = clean.and_then(|clean| alone.step(&mut detector, &clean.into())) {
+                expected.push(now.report.clone());
             }
         }
         assert!(!expected.is_empty() && reports == expected, "from {start}: {} {}", reports.len(), expected.len());

@@ -5,11 +5,10 @@
 //! chance alone gives. Least squares, biased by output noise, is judged by where a long undisturbed record takes it.
 
 use bearing_watch::Reason;
-use bearing_watch::internals::Inputs;
+use host_tests::Inputs;
 use host_tests::oracle::{self, Fit, Record};
-use host_tests::plans::Setup;
 use host_tests::plants::{PLANTS, Plant};
-use host_tests::streams::{Estimate, covariance, fading, least_squares, outcome, refined, rho, single};
+use host_tests::streams::{Estimate, Setup, covariance, fading, least_squares, outcome, refined, rho, single};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -90,14 +89,14 @@ fn finite(result: &Result<Estimate, Reason>) -> bool {
 
 /// The last segment's estimate; looks at the open segment now and then.
 fn last(setup: &Setup, samples: &[Inputs]) -> Estimate {
-    let mut stream = setup.stream();
+    let mut stream = setup.stream(SEGMENT);
     let mut result = None;
     for segment in samples.chunks_exact(SEGMENT) {
         for (place, sample) in segment.iter().enumerate() {
             stream.step(sample);
-            assert!(place % 997 != 0 || finite(&outcome(stream.estimator.estimate())), "{place}");
+            assert!(place % 997 != 0 || finite(&outcome(stream.open())), "{place}");
         }
-        let closed = outcome(stream.estimator.close());
+        let closed = outcome(stream.closed());
         assert!(finite(&closed));
         result = Some(closed);
     }

@@ -157,16 +157,6 @@ fn numbers_that_segments_of_this_model_cannot_leave_are_refused() {
 }
 
 #[test]
-fn other_versions_are_refused() {
-    let model = alarming();
-    for given in [1, 2, 3, 5] {
-        let mut other = saved(&model, &evidence_after(&model, 9));
-        other[4] = given;
-        assert_eq!(refusal(&model, &other), StateError::Version { given: given.into(), supported: 4 });
-    }
-}
-
-#[test]
 fn a_silence_goes_on_after_power_off() {
     let model = alarming();
     let silent = |evidence: &mut Evidence<Drive>| {

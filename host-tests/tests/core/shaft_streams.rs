@@ -219,7 +219,7 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
         let error = Err(ModelError::OutOfRange(field));
         assert_eq!(Model::new(good.plan(), bad.clone()).map(|_| ()), error, "{field:?} is accepted");
         let mut buffer = vec![0; 4096];
-        let length = Model::checked(good.plan(), bad).to_bytes("", &mut buffer).expect("fits");
+        let length = Model::identified(good.plan(), bad, good.id()).to_bytes("", &mut buffer).expect("fits");
         assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).map(|_| ()), error, "{field:?} is read");
     };
     refused(Field::SignalLag, |m, _| m.lags.current = 5.1);

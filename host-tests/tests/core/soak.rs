@@ -7,8 +7,8 @@
 //! record.
 
 use bearing_watch::drive::{FrontEnd, FrontEndConstants, Lock};
-use bearing_watch::internals::Solver;
-use bearing_watch::{Detector, Evidence, FrictionTerm, Report, Verdict};
+use bearing_watch::{Evidence, FrictionTerm, Monitor, Report, Verdict};
+use host_tests::halves::Interrupt;
 
 use super::drive_faults::actuator::{Drive, FURTHER, MODEL, Sample};
 use super::drive_faults::{FAULTS, Inject, ROWS, Raw, ZERO, constants, counts, raw, scattered, trace};
@@ -188,10 +188,11 @@ struct Known {
 /// The drive behind its sensors.
 struct Watch {
     front_end: FrontEnd<FURTHER, FACTOR>,
-    detector: Detector<'static, Drive>,
+    interrupt: Interrupt<'static, Drive>,
     evidence: Evidence<Drive>,
-    /// The segment that is being solved.
-    solver: Option<(Solver<'static, Drive>, Known)>,
+    monitor: Monitor<'static, Drive>,
+    /// What is known of the segment that is being solved.
+    solving: Option<Known>,
     /// The report of the last segment, which is kept until the next one closes.
     held: Option<(Report<Drive>, Known)>,
     open: Known,
@@ -206,9 +207,10 @@ impl Watch {
     fn new(constants: &FrontEndConstants) -> Self {
         Self {
             front_end: FrontEnd::new(constants).expect("good constants"),
-            detector: Detector::new(&MODEL),
+            interrupt: Interrupt::new(&MODEL),
+            monitor: Monitor::new(&MODEL),
             evidence: Evidence::new(&MODEL),
-            solver: None,
+            solving: None,
             held: None,
             open: Known::default(),
             before: true,
@@ -227,10 +229,10 @@ impl Watch {
         assert!(!(flagged && self.flagged) || clean.current_a.is_nan(), "{faults:?}: {clean:?}");
         self.flagged = flagged;
         if clean.found_late {
-            if self.detector.is_in_first_half() {
-                (self.held, self.solver) = (None, None);
+            if self.interrupt.detector.is_in_first_half() {
+                (self.held, self.solving) = (None, None);
             }
-            self.detector.discard();
+            self.interrupt.detector.discard();
         }
         let sample: Sample = clean.into();
         self.open.samples += 1;
@@ -238,16 +240,16 @@ impl Watch {
         let row = current && load && reference;
         self.open.unusable += u32::from(!(row && velocity));
         self.open.without_row += u32::from(!row);
-        let segment = self.detector.collect(&sample);
+        let segment = self.interrupt.collect(&sample);
         // One piece a clean sample, as in a main loop.
-        if let Some((solver, known)) = &mut self.solver
-            && let Some(report) = solver.advance()
+        if let Some(known) = self.solving
+            && let Some(now) = self.monitor.advance()
         {
-            check(report, known);
-            self.held = Some((report.clone(), *known));
-            self.solver = None;
+            check(now.report, &known);
+            self.held = Some((now.report.clone(), known));
+            self.solving = None;
         }
-        let Some(segment) = segment else { return false };
+        let Some(mut segment) = segment else { return false };
         assert_eq!(self.open.samples, SEGMENT, "a segment has its number of samples");
         if let Some((report, known)) = self.held.take() {
             part.alarms += u32::from(self.evidence.observe(report.decision.as_ref()).is_some());
@@ -255,7 +257,8 @@ impl Watch {
             part.take(&report, known.disturbed);
         }
         let known = Known { disturbed: disturbed || self.before, ..self.open };
-        self.solver = Some((Solver::new(&MODEL, segment), known));
+        self.monitor.take_from(&mut segment);
+        self.solving = Some(known);
         (self.open, self.before) = (Known::default(), disturbed);
         true
     }

@@ -1,7 +1,7 @@
 //! Records in flash: power that fails at every byte of an update, sizes of flashes, and what is refused.
 
 use bearing_watch::model::Label;
-use bearing_watch::storage::{PassedOver, Record, RecordKind, RecordLabel, SlotPair, StorageError};
+use bearing_watch::storage::{Record, RecordKind, RecordLabel, SlotPair, StorageError};
 use bearing_watch::{Evidence, Model};
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
 use host_tests::flash::Flash;
@@ -147,69 +147,6 @@ fn lengths_up_to_the_capacity_are_read_back() {
         assert_eq!(load(&pair, &mut flash).1, payload, "{length}");
     }
     assert_eq!(pair.store(&mut flash, &label, &[0; 337]), Err(StorageError::TooLong { capacity: 336 }));
-}
-
-/// A drive that finds its older state must know that there was a newer one, which may have had an alarm.
-#[test]
-fn a_fallback_to_the_older_record_is_told() {
-    let mut flash = Flash::<1, 1, 64>::new(8, 9);
-    let pair = SlotPair::<64>::new(&flash, 0, 256, RecordKind::State).expect("fits");
-    let label = RecordLabel { model: 1, drive: DRIVE };
-    let told = |flash: &mut Flash<1, 1, 64>| {
-        let mut buffer = [0; 16];
-        let newest = pair.newest(flash).expect("reads").and_then(|record| record.passed_over());
-        let loaded = pair.load(flash, &mut buffer, |record, bytes| Some((bytes.to_vec(), record.passed_over())));
-        let (bytes, passed_over) = loaded.expect("a record");
-        assert_eq!(newest, passed_over);
-        (bytes, passed_over)
-    };
-    pair.erase(&mut flash).expect("erases");
-    pair.store(&mut flash, &label, b"first").expect("stores");
-    assert_eq!(told(&mut flash), (b"first".to_vec(), None), "the other slot is erased");
-    pair.store(&mut flash, &label, b"newer").expect("stores");
-    assert_eq!(told(&mut flash), (b"newer".to_vec(), None), "the other record is older");
-    // Each bit of the newer record: 44 bytes of header, and the payload.
-    for bit in 0..8 * (44 + 5) {
-        let mut flash = flash.clone();
-        flash.bytes[256 + bit / 8] ^= 1 << (bit % 8);
-        let (bytes, passed_over) = told(&mut flash);
-        let expected = if bit < 8 * 44 { PassedOver::Unknown } else { PassedOver::Damaged { counter: 2 } };
-        assert_eq!((&bytes[..], passed_over), (&b"first"[..], Some(expected)), "{bit}");
-    }
-    // An older one that is damaged hides nothing.
-    let mut damaged = flash.clone();
-    damaged.bytes[44] ^= 1;
-    assert_eq!(told(&mut damaged), (b"newer".to_vec(), None));
-    // One that is refused.
-    let older = pair.load(&mut flash, &mut [0; 16], |record, bytes| (bytes == b"first").then(|| record.passed_over()));
-    assert_eq!(older, Ok(Some(PassedOver::Refused { counter: 2 })));
-}
-
-#[test]
-fn the_older_record_serves_if_the_newer_one_is_refused_or_damaged() {
-    let mut flash = Flash::<1, 1, 64>::new(8, 9);
-    let pair = SlotPair::<64>::new(&flash, 0, 256, RecordKind::Model).expect("fits");
-    let label = RecordLabel { model: 1, drive: DRIVE };
-    pair.store(&mut flash, &label, b"older").expect("stores");
-    pair.store(&mut flash, &label, b"newer").expect("stores");
-    let mut buffer = [0; 16];
-    let not_newer = |_: &Record, bytes: &[u8]| (bytes != b"newer").then(|| bytes.to_vec());
-    assert_eq!(pair.load(&mut flash, &mut buffer, not_newer), Ok(b"older".to_vec()));
-    let none = |_: &Record, _: &[u8]| None::<()>;
-    assert_eq!(pair.load(&mut flash, &mut buffer, none), Err(StorageError::NoRecord));
-    assert_eq!(pair.load(&mut flash, &mut [0; 4], none), Err(StorageError::BufferTooSmall { needed: 5 }));
-    // One bit of the newer record, then one of the older one.
-    flash.bytes[256 + 44] ^= 0x10;
-    assert_eq!(load(&pair, &mut flash).1, b"older");
-    flash.bytes[20] ^= 0x01;
-    assert_eq!(pair.newest(&mut flash), Ok(None));
-    // Another kind of record does not count.
-    let states = SlotPair::<64>::new(&flash, 0, 256, RecordKind::State).expect("fits");
-    pair.store(&mut flash, &label, b"again").expect("stores");
-    assert_eq!(states.newest(&mut flash), Ok(None));
-    assert!(pair.newest(&mut flash).expect("readable").is_some());
-    pair.erase(&mut flash).expect("erases");
-    assert_eq!((pair.newest(&mut flash), &flash.bytes[..]), (Ok(None), &[0xFF; 512][..]));
 }
 
 #[test]

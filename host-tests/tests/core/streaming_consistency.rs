@@ -56,9 +56,9 @@ fn run(plant: &Plant, noise: f64, seed: u64) -> [Option<(Vec<f64>, Vec<f64>)>; 3
     let deviations = (0..truth.len()).map(|k| f64::from(estimate.deviation(k))).collect();
 
     let setup = least_squares(structure, &samples);
-    let mut least = setup.stream();
+    let mut least = setup.stream(length);
     samples[2 * length..].iter().for_each(|sample| least.step(sample));
-    let least = least.estimator.close();
+    let least = least.closed();
     assert_eq!(least.reason, None);
     let least = errors(least.delta());
 

@@ -8,7 +8,6 @@ use model::evaluate;
 use model::identify::Structure;
 use model::trace::labels::LabelledTrace;
 use model::trace::{Channels, Trace};
-use model::train::export;
 use model::train::{Estimation, Recipe, Trained, train};
 use rig::Scenario;
 use studies::demo::{self, FirstInput};
@@ -91,7 +90,6 @@ plans! {
     FadingSquares FadingSquaresSample LeastSquares Fading;
     Refined RefinedSample Instruments Segment;
     FadingRefined FadingRefinedSample Instruments Fading;
-    LongRefined LongRefinedSample Instruments LongSegment;
 }
 
 /// Bits of every whole segment by a detector whose plan is known at compile time.
@@ -148,17 +146,4 @@ fn a_model_of_another_plan_or_other_channels_is_refused() {
     let named = Recipe { columns: Channels::new("y", "command", "u2"), ..Recipe::new(STRUCTURE) };
     let named = train(&training, &demo::class_names(), &named).expect("trains").to_bytes("").expect("fits");
     assert_eq!(Model::<Squares>::from_bytes(&named), Err(ModelError::Channel { place: 1 }));
-}
-
-#[test]
-fn segments_longer_than_one_level_holds() {
-    let training = set(&Scenario { samples: 100_500, ..Scenario::STANDARD }, 730, 3);
-    let trained = trained(&training, Estimation { segment: Some(100_500), ..instruments() });
-    assert_eq!(trained.segment_samples, 100_500);
-    let source = export::rust_source(&trained, &[]).expect("exports");
-    assert!(source.contains("method: Method::Instruments") && source.contains("Memory::LongSegment"), "{source}");
-    let trace = &training[0].trace;
-    let narrow = exact::<LongRefined>(&trained, trace);
-    assert_eq!(narrow.len(), 1);
-    assert_eq!(narrow, wide(&trained, trace));
 }

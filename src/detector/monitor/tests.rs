@@ -1,8 +1,7 @@
-use super::super::tests::{gated, segment};
+use super::super::tests::{collect, conclude, gated, segment, solved};
 use super::{Conclusion, Monitor};
 use crate::alarm::SilenceLimits;
 use crate::alarm::evidence::{Cause, Evidence};
-use crate::detector::conclude;
 use crate::detector::{Detector, Segment};
 use crate::model::Model;
 use crate::reason::{Implausible, Reason};
@@ -37,8 +36,8 @@ fn reports_are_those_of_the_solve_and_the_evidence_takes_each_once() {
     let mut monitor = Monitor::new(&model);
     let mut taken: Vec<Report<Drive>> = Vec::new();
     for segment in segments(&model, &GAINS) {
-        let expected = conclude(&model, segment.clone());
-        let now = monitor.conclude(segment);
+        let expected = solved(&model, segment.clone());
+        let now = conclude(&mut monitor, segment);
         assert_eq!(now.report, &expected);
         taken.push(expected.clone());
         assert_eq!(now.alarm, at_once(&model, &taken).alarm());
@@ -47,7 +46,7 @@ fn reports_are_those_of_the_solve_and_the_evidence_takes_each_once() {
     }
     let mut evidence = at_once(&model, &taken);
     assert_eq!(monitor.end_run(), evidence.end_run());
-    assert_eq!((monitor.evidence(), monitor.alarm()), (&evidence, evidence.alarm()));
+    assert_eq!((monitor.evidence(), monitor.evidence().alarm()), (&evidence, evidence.alarm()));
     assert_eq!(monitor.end_run(), evidence.alarm(), "no report is taken twice");
     assert_eq!(monitor.evidence().segments(), (5, 0));
 }
@@ -57,7 +56,7 @@ fn steps_give_the_bits_of_the_whole_and_a_hasty_interrupt_loses_nothing() {
     let model = gated();
     let (mut whole, mut steps, mut hasty) = (Monitor::new(&model), Monitor::new(&model), Monitor::new(&model));
     for segment in segments(&model, &GAINS) {
-        let expected = whole.conclude(segment.clone()).report.clone();
+        let expected = conclude(&mut whole, segment.clone()).report.clone();
         assert!(steps.advance().is_none(), "nothing to solve");
         steps.take(segment.clone());
         assert_eq!(steps.report(), None, "not yet");
@@ -87,15 +86,15 @@ fn a_report_in_doubt_is_taken_out_of_the_evidence() {
         let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
         let mut all = stream(&[40.0; 4]);
         let first = segment(&mut detector, &mut all);
-        assert_eq!(monitor.conclude(first).report.verdict, Verdict::Novel);
-        all.by_ref().take(place as usize).for_each(|sample| assert!(detector.collect(&sample).is_none()));
+        assert_eq!(conclude(&mut monitor, first).report.verdict, Verdict::Novel);
+        all.by_ref().take(place as usize).for_each(|sample| assert!(collect(&mut detector, &sample).is_none()));
         detector.discard();
         let second = segment(&mut detector, &mut all);
-        monitor.conclude(second);
+        conclude(&mut monitor, second);
         let undetermined = u32::from(doubts) + u32::from(place >= SAMPLES / 2);
         assert_eq!(monitor.evidence().segments(), (2, undetermined), "{place}");
         let third = segment(&mut detector, &mut all);
-        monitor.conclude(third);
+        conclude(&mut monitor, third);
         assert_eq!(monitor.evidence().segments(), (3, undetermined), "{place}");
     }
 }
@@ -105,16 +104,16 @@ fn the_doubt_of_a_segment_that_was_lost_is_not_that_of_another() {
     let model = gated();
     let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
     let mut all = stream(&[40.0; 4]);
-    monitor.conclude(segment(&mut detector, &mut all));
+    conclude(&mut monitor, segment(&mut detector, &mut all));
     // Not taken by the main loop.
     let _lost = segment(&mut detector, &mut all);
     detector.discard();
-    monitor.conclude(segment(&mut detector, &mut all));
+    conclude(&mut monitor, segment(&mut detector, &mut all));
     assert_eq!(monitor.evidence().segments(), (2, 0));
     // Nor does a restart leave a doubt.
     detector.discard();
     detector.restart();
-    monitor.conclude(segment(&mut detector, &mut stream(&[40.0])));
+    conclude(&mut monitor, segment(&mut detector, &mut stream(&[40.0])));
     assert_eq!(monitor.evidence().segments(), (3, 0));
 }
 
@@ -124,26 +123,26 @@ fn an_alarm_names_the_segment_and_survives_power_off() {
     let mut monitor = Monitor::new(&model);
     let all = segments(&model, &[0.52, 0.52, 1.0, 1.0, 1.0]);
     for segment in &all[..3] {
-        monitor.conclude(segment.clone());
+        conclude(&mut monitor, segment.clone());
     }
     let mut bytes = [0; 400];
     let length = monitor.save(&mut bytes).expect("room");
-    assert_eq!(length, monitor.saved_len());
+    assert_eq!(length, Evidence::saved_len(&model));
     let mut later = Monitor::new(&model);
-    later.conclude(all[0].clone());
+    conclude(&mut later, all[0].clone());
     later.restore(&bytes[..length]).expect("its own state");
     assert_eq!(later.evidence(), monitor.evidence());
     assert_eq!(later.report(), None, "what was held is not in the state");
     for (monitor, segment) in [&mut monitor, &mut later].into_iter().flat_map(|monitor| [(monitor, 3)]) {
-        monitor.conclude(all[segment].clone());
-        monitor.conclude(all[segment + 1].clone());
+        conclude(monitor, all[segment].clone());
+        conclude(monitor, all[segment + 1].clone());
         assert_eq!(monitor.end_run().map(|alarm| alarm.cause), Some(Cause::Class(1)));
     }
     let damaged = [&bytes[..length - 1], &[!bytes[length - 1]]].concat();
     let before = later.clone();
     assert!(later.restore(&damaged).is_err() && later == before);
     later.reset();
-    assert_eq!((later.alarm(), later.evidence().segments()), (None, (0, 0)));
+    assert_eq!((later.evidence().alarm(), later.evidence().segments()), (None, (0, 0)));
 }
 
 /// The interrupt passes the number on, so that no alarm stands that the next segment would take away.
@@ -163,9 +162,9 @@ fn a_report_is_withdrawn_before_the_next_segment_by_its_number() {
     let verdict = monitor.report().map(|report| report.verdict);
     assert_eq!(verdict, Some(Verdict::Undetermined(Reason::FoundLate)));
     assert!(!monitor.withdraw(doubt), "once only");
-    monitor.conclude(segment(&mut detector, &mut all));
+    conclude(&mut monitor, segment(&mut detector, &mut all));
     assert_eq!(monitor.evidence().segments(), (2, 1));
-    all.by_ref().take(SAMPLES as usize / 2).for_each(|sample| assert!(detector.collect(&sample).is_none()));
+    all.by_ref().take(SAMPLES as usize / 2).for_each(|sample| assert!(collect(&mut detector, &sample).is_none()));
     assert_eq!(detector.discard(), None, "half has passed");
 }
 
@@ -206,17 +205,17 @@ fn a_refused_monitor_gives_no_verdict_and_takes_no_evidence_until_it_is_allowed_
     let model = gated();
     let mut monitor = Monitor::new(&model);
     let [first, second, third, fourth, _] = segments(&model, &GAINS).try_into().expect("five");
-    assert!(!matches!(monitor.conclude(first).report.verdict, Verdict::Undetermined(_)));
+    assert!(!matches!(conclude(&mut monitor, first).report.verdict, Verdict::Undetermined(_)));
     let score = monitor.evidence().score();
     monitor.refuse(Some(Implausible::Rate));
     for segment in [second, third] {
-        let report = monitor.conclude(segment).report;
+        let report = conclude(&mut monitor, segment).report;
         assert_eq!(report.verdict, Verdict::Undetermined(Reason::Implausible(Implausible::Rate)));
         assert!(report.decision.is_none());
     }
     assert_eq!((monitor.evidence().segments(), monitor.evidence().score()), ((3, 2), score));
     monitor.refuse(None);
-    assert!(!matches!(monitor.conclude(fourth).report.verdict, Verdict::Undetermined(_)));
+    assert!(!matches!(conclude(&mut monitor, fourth).report.verdict, Verdict::Undetermined(_)));
 }
 
 /// A monitor that has concluded segments of a drive far from every class, and the number of the last one, which is now
@@ -224,7 +223,7 @@ fn a_refused_monitor_gives_no_verdict_and_takes_no_evidence_until_it_is_allowed_
 fn doubted(model: &Model<Drive>, count: usize) -> (Monitor<'_, Drive>, u32) {
     let (mut detector, mut monitor) = (Detector::new(model), Monitor::new(model));
     let mut all = stream(&[40.0; 9]);
-    (0..count).for_each(|_| _ = monitor.conclude(segment(&mut detector, &mut all)));
+    (0..count).for_each(|_| _ = conclude(&mut monitor, segment(&mut detector, &mut all)));
     (monitor, detector.discard().expect("no sample of the next segment yet"))
 }
 
@@ -244,15 +243,15 @@ fn nothing_of_before_comes_back_after_a_reset_or_a_restored_state() {
         |monitor| monitor.reset(),
         |monitor| {
             let (mut bytes, fresh) = ([0; 400], Monitor::new(monitor.model));
-            let length = fresh.save_within_run(&mut bytes).expect("room");
+            let length = fresh.evidence().save(monitor.model, &mut bytes).expect("room");
             monitor.restore(&bytes[..length]).expect("its own state");
         },
     ];
     for afresh in ways {
         let (mut monitor, number) = doubted(&model, 2);
-        assert!(monitor.alarm().is_some());
+        assert!(monitor.evidence().alarm().is_some());
         afresh(&mut monitor);
-        assert_eq!((monitor.report(), monitor.alarm()), (None, None));
+        assert_eq!((monitor.report(), monitor.evidence().alarm()), (None, None));
         assert!(!monitor.withdraw(number), "there is no report");
         assert_eq!(monitor.evidence(), &Evidence::new(&model));
         // Nor the report of a segment that was being solved.
@@ -270,7 +269,10 @@ fn a_doubt_does_not_bring_a_denied_alarm_back() {
     let (mut monitor, number) = doubted(&model, 2);
     assert!(monitor.deny());
     assert!(!monitor.withdraw(number));
-    assert_eq!((monitor.alarm(), monitor.evidence().score(), monitor.evidence().segments()), (None, 0.0, (2, 0)));
+    assert_eq!(
+        (monitor.evidence().alarm(), monitor.evidence().score(), monitor.evidence().segments()),
+        (None, 0.0, (2, 0))
+    );
 }
 
 #[test]
@@ -281,12 +283,12 @@ fn what_a_trial_takes_out_does_not_bring_a_denied_alarm_back() {
     for take_out in ways {
         let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
         let mut all = stream(&[40.0; 9]);
-        (0..2).for_each(|_| _ = monitor.conclude(segment(&mut detector, &mut all)));
+        (0..2).for_each(|_| _ = conclude(&mut monitor, segment(&mut detector, &mut all)));
         monitor.begin_trial();
         assert!(monitor.deny());
-        monitor.conclude(segment(&mut detector, &mut all));
+        conclude(&mut monitor, segment(&mut detector, &mut all));
         take_out(&mut monitor, detector.discard().expect("no sample of the next segment yet"));
-        assert_eq!((monitor.alarm(), monitor.evidence().score()), (None, 0.0));
+        assert_eq!((monitor.evidence().alarm(), monitor.evidence().score()), (None, 0.0));
     }
 }
 
@@ -303,14 +305,14 @@ fn a_trial_ends_with_its_first_answer() {
     let model = gated();
     let mut monitor = Monitor::new(&model);
     monitor.begin_trial();
-    segments(&model, &GAINS).into_iter().for_each(|segment| _ = monitor.conclude(segment));
+    segments(&model, &GAINS).into_iter().for_each(|segment| _ = conclude(&mut monitor, segment));
     let taken = monitor.evidence().clone();
     monitor.refuse(None);
     assert_eq!(monitor.evidence(), &taken);
     monitor.refuse(Some(Implausible::Rate));
     assert_eq!(monitor.evidence(), &taken, "a later reason takes nothing out");
     monitor.begin_trial();
-    segments(&model, &GAINS).into_iter().for_each(|segment| _ = monitor.conclude(segment));
+    segments(&model, &GAINS).into_iter().for_each(|segment| _ = conclude(&mut monitor, segment));
     monitor.refuse(Some(Implausible::Rate));
     assert_eq!(monitor.evidence(), &taken, "those of the second trial");
 }
@@ -320,10 +322,10 @@ fn a_withdrawn_report_of_a_trial_takes_those_of_the_trial_before_it_along() {
     let model = gated();
     let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
     let mut all = stream(&[40.0; 9]);
-    monitor.conclude(segment(&mut detector, &mut all));
+    conclude(&mut monitor, segment(&mut detector, &mut all));
     let score = monitor.evidence().score();
     monitor.begin_trial();
-    (0..2).for_each(|_| _ = monitor.conclude(segment(&mut detector, &mut all)));
+    (0..2).for_each(|_| _ = conclude(&mut monitor, segment(&mut detector, &mut all)));
     assert!(monitor.withdraw(detector.discard().expect("no sample yet")));
     assert_eq!((monitor.evidence().score(), monitor.evidence().segments()), (score, (2, 1)));
 }
@@ -333,7 +335,7 @@ fn what_a_trial_takes_out_does_not_bring_back_what_was_before_a_reset() {
     let model = gated();
     let (mut monitor, _) = doubted(&model, 2);
     monitor.begin_trial();
-    assert!(monitor.alarm().is_some());
+    assert!(monitor.evidence().alarm().is_some());
     monitor.reset();
     monitor.refuse(Some(Implausible::Rate));
     assert_eq!(monitor.evidence(), &Evidence::new(&model));

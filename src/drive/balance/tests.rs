@@ -2,6 +2,19 @@
 
 use super::*;
 
+impl CurrentBalance {
+    /// Takes the phase currents, A, at an electrical angle with its sine and cosine; a sample that is not finite is
+    /// left out. Returns whether this sample closed a window.
+    fn push(&mut self, currents: Abc, electrical: Angle, turn: SinCos) -> bool {
+        self.gather(currents, electrical, turn);
+        let full = self.is_full();
+        if full {
+            self.close();
+        }
+        full
+    }
+}
+
 const LIMITS: BalanceLimits = BalanceLimits { noise_a: 0.1, offset_a: 0.2, gain_tolerance: 0.02, window: 320 };
 
 /// One finding after `turns` electrical turns of currents of `amplitude_a`, with normal noise of 0.05 A a sensor.

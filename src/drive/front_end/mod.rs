@@ -429,12 +429,6 @@ where
         self.gaps = 0;
     }
 
-    /// The position tracker, for the angle and velocity without delay.
-    #[must_use]
-    pub const fn tracker(&self) -> &PositionTracker {
-        &self.tracker
-    }
-
     /// The rotor frame, for [`Model::check_rotor_frame`](crate::Model::check_rotor_frame).
     #[must_use]
     pub const fn frame(&self) -> &RotorFrame {

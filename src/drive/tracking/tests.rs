@@ -8,6 +8,13 @@ use super::*;
 use crate::drive::RotorFrame;
 use crate::signal::{AlphaBeta, Park};
 
+impl PositionTracker {
+    /// The velocity ω̂ of the loop, rad/s; late by 2ζ/ωₙ.
+    fn velocity_rad_s(&self) -> f32 {
+        self.velocity as f32 * (RAD * self.rate_hz)
+    }
+}
+
 const RATE_HZ: f64 = 10_000.0;
 const RESOLVER: ResolverLimits = ResolverLimits { low: 0.7, high: 1.3, mismatch: 0.1 };
 /// ωₙ = 2π 146 rad/s.
@@ -102,7 +109,9 @@ fn under_acceleration_the_angle_lags_by_the_acceleration_constant() {
         for acceleration in [1000.0, -1000.0] {
             let start = if acceleration > 0.0 { -250.0 } else { 250.0 };
             let (largest, mean, tracker) = departures(sensor, 5000, |t| start * t + 0.5 * acceleration * t * t);
-            let lag = -(acceleration / f64::from(tracker.acceleration_constant())).to_degrees();
+            // Ka of (5), 1/s²: the angle of the loop is α/Ka behind.
+            let constant = tracker.gains[1] * RAD * tracker.rate_hz * tracker.rate_hz;
+            let lag = -(acceleration / f64::from(constant)).to_degrees();
             std::println!("{acceleration} rad/s²: largest {largest:.4}°, mean {mean:.4}°, α/Ka {lag:.4}°");
             assert!(largest <= 0.5, "{largest}°");
             // The converter floors: half a count is 0.011°.

@@ -6,6 +6,7 @@ use std::vec::Vec;
 use super::*;
 use crate::decide::{Law, Rise};
 use crate::plan::RunTime;
+use crate::reason::FrictionTerm;
 
 /// Bytes whose numbers are 1, 2, 3 … in their order.
 #[derive(Default)]
@@ -120,9 +121,8 @@ fn variants_are_those_of_their_bytes_and_no_others() {
     assert_eq!(at(2, 0), Ok(Some((false, instruments, Memory::Fading))));
     assert_eq!(at(8, 0), Ok(Some((true, squares, Memory::Fading))));
     assert_eq!(at(9, 0), Ok(Some((true, instruments, Memory::Segment))));
-    assert_eq!(at(9, 1), Ok(Some((true, instruments, Memory::LongSegment))));
-    // Flags are 0 or 1, memories 0 to 2.
-    for (place, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (33, 2), (9, 3), (1, 0xFF), (9, 0xFF)] {
+    // Flags are 0 or 1, memories 0 or 2.
+    for (place, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (33, 2), (9, 1), (9, 3), (1, 0xFF), (9, 0xFF)] {
         assert_eq!(at(place, byte), Err(ModelError::OutOfRange(Field::Layout)), "{place} {byte}");
     }
     for length in 0..LAYOUT.len() - 3 {
@@ -148,8 +148,11 @@ fn features_are_those_of_their_bytes_and_no_others() {
     for (kind, place, feature) in expected {
         assert_eq!(read(kind, place), Ok(feature));
     }
-    for (kind, place) in [(10, 0), (0xFF, 0), (2, 8), (3, 0xFF), (7, 8)] {
+    for (kind, place) in [(2, 8), (3, 0xFF), (7, 8)] {
         assert_eq!(read(kind, place), Err(ModelError::OutOfRange(Field::Feature)), "{kind} {place}");
+    }
+    for kind in [10, 0xFF] {
+        assert_eq!(read(kind, 0), Err(ModelError::Version { given: 12, supported: 11 }), "{kind}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! An estimator with its gate and without a shaft or a classifier, for tests and measurements.
+//! An estimator with its gate, without a shaft, a classifier and an alarm.
 
 use super::{Estimate, Estimator, RegressionSolve, RegressionSums};
 use crate::plan::{Array, Plan, RegressionLayout};
@@ -6,9 +6,10 @@ use crate::reason::Reason;
 use crate::regression::{Inputs, Regression};
 use crate::signal::{Channel, Counts, Gate};
 
-/// A stream of samples through the gate and the estimator.
+/// A stream of samples through the gate and the estimator; the program closes the segments.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Alone<'m, P: Plan> {
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RecursiveEstimator<'m, P: Plan> {
     plan: P,
     channels: &'m Array<P::Channels, Channel>,
     constants: &'m Regression<P>,
@@ -19,14 +20,15 @@ pub struct Alone<'m, P: Plan> {
 
 /// A closed segment, and its solve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Detached<P: Plan> {
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ClosedSegment<P: Plan> {
     plan: P,
     sums: RegressionSums<P>,
     solve: RegressionSolve<P>,
     estimate: Estimate<P>,
 }
 
-impl<'m, P: Plan> Alone<'m, P> {
+impl<'m, P: Plan> RecursiveEstimator<'m, P> {
     /// Nothing sampled yet; the plan must have a regression.
     #[must_use]
     pub fn new(plan: P, channels: &'m Array<P::Channels, Channel>, constants: &'m Regression<P>) -> Self {
@@ -63,8 +65,8 @@ impl<'m, P: Plan> Alone<'m, P> {
 
     /// The open segment as if it were closed; no estimate if a channel is stuck.
     #[inline(always)]
-    fn segment(&self) -> Detached<P> {
-        let mut segment = Detached {
+    fn segment(&self) -> ClosedSegment<P> {
+        let mut segment = ClosedSegment {
             plan: self.plan,
             sums: self.sums.clone(),
             solve: RegressionSolve::new(self.plan),
@@ -95,7 +97,7 @@ impl<'m, P: Plan> Alone<'m, P> {
     }
 
     /// Closes the segment and hands it out.
-    pub fn detach(&mut self) -> Detached<P> {
+    pub fn detach(&mut self) -> ClosedSegment<P> {
         let segment = self.segment();
         self.next_segment();
         segment
@@ -119,7 +121,7 @@ impl<'m, P: Plan> Alone<'m, P> {
     }
 }
 
-impl<P: Plan> Detached<P> {
+impl<P: Plan> ClosedSegment<P> {
     /// Does the next step of the solve; the estimate once it is complete.
     pub fn advance(&mut self, constants: &Regression<P>) -> Option<&Estimate<P>> {
         let stuck = matches!(self.estimate.reason, Some(Reason::Stuck { .. }));

@@ -55,18 +55,9 @@ pub struct RegressionSums<P: Plan> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RegressionSolve<P: Plan> {
-    next: Step,
+    /// What is left of it; `None` before the first step.
+    solution: Option<Solution>,
     work: Array<P::Parameters, f32>,
-}
-
-/// What the next step of a solve does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-enum Step {
-    /// Merge this row of the lower of two levels, or with none left solve for the parameters.
-    Merge(usize),
-    /// Add a column to the covariance; with the last one the estimate is complete.
-    Covariance(Solution),
 }
 
 impl<P: Plan> Estimator<P> {
@@ -128,7 +119,7 @@ impl<P: Plan> Estimator<P> {
     pub fn close(&self, sums: &mut RegressionSums<P>, plan: P, rest: f32) {
         sums.at_rest = match memory(plan) {
             Memory::Fading => sums.resting > sums.count,
-            Memory::Segment | Memory::LongSegment => sums.motion < rest * sums.count as f32,
+            Memory::Segment => sums.motion < rest * sums.count as f32,
         };
         (sums.frame, sums.segment) = (self.rows.frame(plan), self.segment);
     }
@@ -220,7 +211,7 @@ impl<P: Plan> RegressionSolve<P> {
     /// Nothing solved yet.
     #[must_use]
     pub fn new(plan: P) -> Self {
-        Self { next: Step::Merge(0), work: Cells::filled(plan.layout().parameters(), 0.0) }
+        Self { solution: None, work: Cells::filled(plan.layout().parameters(), 0.0) }
     }
 
     /// Does the next step of the solve; `true` once the estimate is complete, or has its reason.
@@ -232,12 +223,6 @@ impl<P: Plan> RegressionSolve<P> {
         estimate: &mut Estimate<P>,
     ) -> bool {
         let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return true };
-        if let Step::Merge(row) = self.next
-            && sums.sums.merge_row(row)
-        {
-            self.next = Step::Merge(row.wrapping_add(1));
-            return false;
-        }
         match self.solve(plan, constants, sums, estimate) {
             Ok(false) => return false,
             Ok(true) => finish(plan, sums, estimate),
@@ -294,7 +279,7 @@ impl<P: Plan> RegressionSolve<P> {
         };
         // Known at compile time. By least squares the torque balance uses the same copy of the code.
         let plain = outputs == 0;
-        if let Step::Covariance(solution) = &mut self.next {
+        if let Some(solution) = &mut self.solution {
             let add = if plain { Solution::add_column::<false> } else { Solution::add_column::<true> };
             return Ok(add(solution, problem, solved));
         }
@@ -303,7 +288,7 @@ impl<P: Plan> RegressionSolve<P> {
             None if plain => Solution::new::<false>(problem, solved),
             None => Solution::new::<true>(problem, solved),
         };
-        self.next = Step::Covariance(solution.map_err(|error| match error {
+        self.solution = Some(solution.map_err(|error| match error {
             SolveError::TooFewRows => Reason::TooFewRows { part: Part::Regression, rows: sums.count },
             SolveError::NotExcited(place) => Reason::ParameterNotExcited(u8::try_from(place).unwrap_or(u8::MAX)),
             SolveError::WeakInstruments => Reason::WeakInstruments(Part::Regression),

@@ -117,13 +117,6 @@ impl<P: Plan> Estimate<P> {
         raw
     }
 
-    /// The covariance as a matrix; `None` if `N` is not the number of parameters.
-    #[cfg(feature = "nalgebra")]
-    #[must_use]
-    pub fn covariance_matrix<const N: usize>(&self) -> Option<nalgebra::SMatrix<f32, N, N>> {
-        (self.delta().len() == N).then(|| nalgebra::SMatrix::from_fn(|i, j| self.covariance(i, j)))
-    }
-
     /// Whether every parameter, variance and covariance is finite.
     #[inline(never)]
     pub(crate) fn is_finite(&self) -> bool {

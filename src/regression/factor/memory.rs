@@ -1,15 +1,13 @@
-//! How long rows count: one bounded segment, a long segment in two levels, or fading memory.
+//! How long rows count: one bounded segment, or fading memory.
 //!
 //! | [`Memory`] | weight of rows | longest segment | state |
 //! |---|---|---|---|
 //! | `Segment` | equal | [`MAX_SEGMENT_ROWS`] = 1e5 | one factor |
-//! | `LongSegment` | equal | [`MAX_LONG_SEGMENT_ROWS`] = 1e6 | two factors |
 //! | `Fading` | λ ≤ 0.9999 a row | endless | one factor, two numbers |
 //!
 //! Sums that neither fade nor end are not offered: single precision would lose their digits.
 //!
-//! A long segment sums blocks of 512 rows and moves one row of the block's factor a sample into the sum, so that sums
-//! of similar size are added. Fading memory ignores rows while the inputs rest: forgetting without excitation would
+//! Fading memory ignores rows while the inputs rest: forgetting without excitation would
 //! replace what is known by noise.
 //!
 //! ```text
@@ -22,19 +20,15 @@
 use super::problem::is_excited;
 use super::triangle::{Row, Triangle};
 use super::weight::{Forgetting, Mass, PRIOR};
-use crate::plan::{Array, Cells, Memory, Plan, Presence};
+use crate::plan::{Array, Memory, Plan};
 
 /// Largest number of rows of a segment summed in one factor: more would cost accuracy in single precision.
 pub const MAX_SEGMENT_ROWS: u32 = 100_000;
-/// Largest number of rows of a segment summed in two levels.
-pub const MAX_LONG_SEGMENT_ROWS: u32 = 1_000_000;
 /// Largest λ: a memory of 1e4 rows.
 pub const MAX_LAMBDA: f32 = 0.9999;
 
 /// Part of its final mass from which a fading memory counts as full.
 const FULL: f32 = 0.9;
-/// Rows summed on the lower of two levels before they are moved up.
-const BLOCK: u16 = 512;
 
 /// The factor of a plan's rows.
 pub type PlanTriangle<P> = Triangle<Array<<P as Plan>::Columns, f32>, Array<<P as Plan>::Packed, f32>>;
@@ -44,10 +38,6 @@ pub type PlanTriangle<P> = Triangle<Array<<P as Plan>::Columns, f32>, Array<<P a
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sums<P: Plan> {
     sum: PlanTriangle<P>,
-    /// The lower of two levels.
-    block: Array<P::TwoLevel, PlanTriangle<P>>,
-    /// Rows in the open block.
-    place: u16,
     /// Mean motion of the inputs (1).
     motion: f32,
     /// Σλᵏ of a fading memory.
@@ -67,7 +57,7 @@ const ABOVE_FLOOR: f32 = 2.0;
 impl<P: Plan> Clone for Sums<P> {
     #[inline(always)]
     fn clone(&self) -> Self {
-        Self { sum: self.sum.clone(), block: P::TwoLevel::map_part(&self.block, Clone::clone), ..*self }
+        Self { sum: self.sum.clone(), ..*self }
     }
 }
 
@@ -76,7 +66,6 @@ impl<P: Plan> Clone for Sums<P> {
 pub const fn longest(memory: Memory) -> u32 {
     match memory {
         Memory::Segment => MAX_SEGMENT_ROWS,
-        Memory::LongSegment => MAX_LONG_SEGMENT_ROWS,
         Memory::Fading => u32::MAX,
     }
 }
@@ -88,8 +77,6 @@ impl<P: Plan> Sums<P> {
         let layout = plan.layout();
         Self {
             sum: Triangle::new(layout.columns()),
-            block: P::TwoLevel::part(layout.two_level() == 1, || Triangle::new(layout.columns())),
-            place: 0,
             motion: 0.0,
             faded_rows: 0.0,
             unexcited: EXCITED,
@@ -102,7 +89,6 @@ impl<P: Plan> Sums<P> {
     pub fn add(&mut self, memory: Memory, row: &Row<'_>, forgetting: Forgetting, rest: f32) -> bool {
         match memory {
             Memory::Segment => self.sum.update(row.cells, row.weight),
-            Memory::LongSegment => self.add_to_block(row),
             Memory::Fading => return self.add_fading(row, forgetting, rest),
         }
         true
@@ -131,17 +117,6 @@ impl<P: Plan> Sums<P> {
     }
 
     #[inline(always)]
-    fn add_to_block(&mut self, row: &Row<'_>) {
-        let Some(block) = self.block.part_mut() else { return };
-        block.update(row.cells, row.weight);
-        let next = self.place.wrapping_add(1);
-        self.place = if next == BLOCK { 0 } else { next };
-        if (self.place as usize) < block.columns() {
-            self.sum.take_row(block, self.place as usize);
-        }
-    }
-
-    #[inline(always)]
     fn add_fading(&mut self, row: &Row<'_>, forgetting: Forgetting, rest: f32) -> bool {
         let Forgetting { lambda, .. } = forgetting;
         self.motion += f32::min(8.0 * (1.0 - lambda), 1.0) * (row.motion - self.motion); // (1)
@@ -160,20 +135,7 @@ impl<P: Plan> Sums<P> {
         moving
     }
 
-    /// Moves row `i` of the lower level into the factor; `false` if there is none. The factor is complete once all rows
-    /// are moved.
-    #[inline(always)]
-    pub fn merge_row(&mut self, i: usize) -> bool {
-        // Known at compile time: one level carries no code for two.
-        let Some(block) = self.block.part_mut() else { return false };
-        let some = i < self.sum.columns();
-        if some {
-            self.sum.take_row(block, i);
-        }
-        some
-    }
-
-    /// The factor; complete once the lower level is merged.
+    /// The factor.
     #[cfg(test)]
     pub const fn triangle(&self) -> &PlanTriangle<P> {
         &self.sum
@@ -208,19 +170,12 @@ impl<P: Plan> Sums<P> {
             return;
         }
         self.sum.reset();
-        if let Some(block) = self.block.part_mut() {
-            block.reset();
-            self.place = 0;
-        }
     }
 
     /// Forgets all rows.
     pub fn empty(&mut self) {
         self.sum.reset();
-        if let Some(block) = self.block.part_mut() {
-            block.reset();
-        }
-        (self.place, self.motion, self.faded_rows, self.unexcited) = (0, 0.0, 0.0, EXCITED);
+        (self.motion, self.faded_rows, self.unexcited) = (0.0, 0.0, EXCITED);
     }
 }
 
@@ -229,30 +184,23 @@ mod tests {
     use super::*;
     use crate::plan::{Layout, Method, RegressionLayout, Structure};
 
-    macro_rules! planned {
-        ($($plan:ident $sample:ident $memory:ident;)+) => { $(crate::plan! {
-            struct $plan;
-            struct $sample { y: "", u1: "", u2: "" }
-            layout: Layout {
-                regression: Some(RegressionLayout {
-                    structure: Structure::new(0, 1, 1, 0, 0),
-                    method: Method::LeastSquares,
-                    memory: Memory::$memory,
-                    y,
-                    u1,
-                    u2,
-                }),
-                features: 1,
-                coordinates: 1,
-                classes: 1,
-                ..Layout::EMPTY
-            }
-        })+ };
-    }
-    planned! {
-        One OneSample Segment;
-        Two TwoSample LongSegment;
-        Endless EndlessSample Fading;
+    crate::plan! {
+        struct Endless;
+        struct EndlessSample { y: "", u1: "", u2: "" }
+        layout: Layout {
+            regression: Some(RegressionLayout {
+                structure: Structure::new(0, 1, 1, 0, 0),
+                method: Method::LeastSquares,
+                memory: Memory::Fading,
+                y,
+                u1,
+                u2,
+            }),
+            features: 1,
+            coordinates: 1,
+            classes: 1,
+            ..Layout::EMPTY
+        }
     }
 
     /// Cells and motion of rows of y = 3 x₀ − 2 x₁ with some noise.
@@ -275,31 +223,6 @@ mod tests {
     }
 
     #[test]
-    fn two_levels_hold_what_one_level_holds() {
-        let (mut one, mut two) = (Sums::new(One), Sums::new(Two));
-        // Within the first block, at its end, in a later one, and while rows are moved up.
-        let mut added = 0;
-        for count in [7, 505, 512, 513, 514, 5000, 5121] {
-            for row in rows(count).skip(added) {
-                assert!(add(&mut one, Memory::Segment, row) && add(&mut two, Memory::LongSegment, row));
-            }
-            added = count;
-            let mut merged = two.clone();
-            assert!((0..4).map(|i| merged.merge_row(i)).eq([true, true, true, false]), "{count}");
-            let ((d, r), (d2, r2)) = (one.triangle().parts(), merged.triangle().parts());
-            for (x, y) in d.iter().zip(d2).chain(r.iter().zip(r2)) {
-                // Roundings of five thousand rows.
-                assert!((x - y).abs() <= 1e-5 * x.abs().max(0.1), "{count}: {x} {y}");
-            }
-            // A block is moved up before the next one ends: at most two of them are in the lower level.
-            let lower = two.block.part().map(|block| block.parts().0[0]).expect("two levels");
-            assert!(count < 5000 || lower < 0.25 * d[0], "{count}: {lower} of {}", d[0]);
-        }
-        two.next_segment(Memory::LongSegment);
-        assert_eq!(two, Sums::new(Two));
-    }
-
-    #[test]
     fn resting_inputs_change_nothing() {
         let mut fading = Sums::new(Endless);
         let learnt = rows(5000).filter(|row| add(&mut fading, Memory::Fading, *row)).count();
@@ -315,6 +238,17 @@ mod tests {
         assert_eq!(fading.triangle(), &frozen);
         let woken = rows(1000).filter(|row| add(&mut fading, Memory::Fading, *row)).count();
         assert!(woken > 900, "{woken}");
+    }
+
+    /// No validated model passes such a row: the square of 1e30 is beyond the range of single precision.
+    #[test]
+    fn poisoned_sums_are_dropped_with_the_segment() {
+        let mut fading = Sums::new(Endless);
+        rows(100).for_each(|(cells, _)| assert!(add(&mut fading, Memory::Fading, (cells, 10.0))));
+        add(&mut fading, Memory::Fading, ([1e30, 0.0, 0.0], 10.0));
+        assert!(!fading.triangle().is_finite());
+        fading.next_segment(Memory::Fading);
+        assert_eq!(fading, Sums::new(Endless));
     }
 
     #[test]

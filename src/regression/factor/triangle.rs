@@ -79,39 +79,6 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
         }
     }
 
-    /// Moves row `i` of another factor into this one. Moving rows 0 … m−1, at any time and with new rows in between,
-    /// moves all that the other had summed.
-    #[inline(never)]
-    pub fn take_row(&mut self, other: &mut Self, i: usize) {
-        for pivot in i..self.columns() {
-            self.take_pivot(other, i, pivot);
-        }
-    }
-
-    /// The part of [`Triangle::take_row`] that a pivot of this factor does; the pivots i … m−1 in turn move the row.
-    #[inline(always)]
-    fn take_pivot(&mut self, other: &mut Self, i: usize, pivot: usize) {
-        let ((start, length), (of_pivot, below)) = (self.place(i), self.place(pivot));
-        let row = other.r.cells_mut().get_mut(start..start.wrapping_add(length)).unwrap_or_default();
-        let Some(weight) = other.d.cells_mut().get_mut(i) else { return };
-        // The diagonal of R is one.
-        let (x, later) = match pivot.checked_sub(i.wrapping_add(1)) {
-            None => (1.0, &mut *row),
-            Some(place) => match row.get_mut(place..).and_then(<[f32]>::split_first_mut) {
-                Some((x, later)) => (*x, later),
-                None => return,
-            },
-        };
-        let r = self.r.cells_mut().get_mut(of_pivot..of_pivot.wrapping_add(below)).unwrap_or_default();
-        if let Some(d) = self.d.cells_mut().get_mut(pivot) {
-            kernels::rotate_pivot_small(d, r, x, later, weight);
-        }
-        if below == 0 {
-            *weight = PRIOR;
-            row.fill(0.0);
-        }
-    }
-
     /// Number of columns.
     #[inline(always)]
     #[must_use]
@@ -126,7 +93,6 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
     }
 
     /// The diagonal, and R packed by rows.
-    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn parts(&self) -> (&[f32], &[f32]) {
         (self.d.cells(), self.r.cells())
@@ -136,13 +102,6 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.d.cells().iter().all(|d| d.is_finite())
-    }
-
-    /// Start and length of row i of R in its packed form, right of the diagonal.
-    #[inline(always)]
-    fn place(&self, i: usize) -> (usize, usize) {
-        let columns = self.columns();
-        (kernels::packed(columns, i, i.wrapping_add(1)), columns.saturating_sub(i.wrapping_add(1)))
     }
 }
 
@@ -192,8 +151,9 @@ mod tests {
             kernels::rotate_loop::<false>(&mut d, &mut r, &mut row.clone(), 1.0, NEVER);
             kernels::rotate_loop::<true>(&mut d_forget, &mut r_forget, &mut row.clone(), 1.0, forgetting);
             let (mut x, mut w) = (row, 1.0);
+            let mut start = 0;
             for i in 0..M {
-                let (start, length) = spread.place(i);
+                let length = M - 1 - i;
                 let (row, later) = x[i..].split_first_mut().map(|(x, later)| (*x, later)).unwrap();
                 kernels::rotate_pivot::<false>(
                     &mut spread.d[i],
@@ -203,6 +163,7 @@ mod tests {
                     &mut w,
                     NEVER,
                 );
+                start += length;
             }
         }
         assert_eq!((bits(&fast.d), bits(&fast.r)), (bits(&d), bits(&r)), "M = {M}");
@@ -230,21 +191,6 @@ mod tests {
             triangle.update_forgetting(&[0.0, 0.0], 1.0, Forgetting { lambda: 0.999, floor: 10.0 });
         }
         assert!(triangle.d[0] == 10.0 && (triangle.r[0] - 2.0).abs() < 1e-3);
-    }
-
-    #[test]
-    fn rows_move_from_one_factor_to_another() {
-        let mut whole = Small::<4, 6>::new(4);
-        let (mut first, mut second) = (whole.clone(), whole.clone());
-        for (k, row) in rows::<4>(200).enumerate() {
-            whole.update(&row, 1.0);
-            if k < 120 { first.update(&row, 1.0) } else { second.update(&row, 1.0) }
-        }
-        (0..4).for_each(|i| second.take_row(&mut first, i));
-        // Roundings of two hundred rows.
-        let pairs = whole.d.iter().zip(&second.d).chain(whole.r.iter().zip(&second.r));
-        pairs.for_each(|(x, y)| assert!((x - y).abs() < 1e-4 * x.abs().max(1.0), "{x} {y}"));
-        assert_eq!(first, Small::new(4), "the other is empty");
     }
 
     #[test]

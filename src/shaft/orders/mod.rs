@@ -22,9 +22,7 @@ mod slip;
 mod tracking;
 
 pub use bearing::Bearing;
-pub use blocks::{Blocks, CONTROLS, TrackedOrder, Tracking, q16};
-#[cfg(feature = "internals")]
-pub use blocks::{LAGS, MIN_BLOCKS};
+pub use blocks::{Blocks, CONTROLS, LAGS, TrackedOrder, Tracking, q16};
 pub(crate) use blocks::{MAX_BLOCKS, least_steps};
 pub use slip::OrderStrength;
 pub(super) use {

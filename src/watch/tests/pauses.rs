@@ -22,9 +22,7 @@ fn a_fault_that_was_found_with_a_lost_sample_goes_with_the_next_one() {
         if k == 224 {
             monitor.withdraw(detector.discard().expect("the first half of the second segment"));
         }
-        if let Some(segment) = detector.collect(if (224..230).contains(&k) { &missing } else { &sample }) {
-            detector.adopt(monitor.conclude(segment).report);
-        }
+        monitor.step(&mut detector, if (224..230).contains(&k) { &missing } else { &sample });
     }
     assert_eq!((monitor.evidence().segments(), watch.status().lost_samples), ((3, 1), 6));
     let same = watch.monitor(|own| own.evidence() == monitor.evidence() && own.report() == monitor.report());

@@ -23,7 +23,7 @@ const COORDINATES: usize = 3;
 const DIRECTIONS: usize = 3;
 const CLASSES: usize = 3;
 
-bearing_watch::bounded_plan! {
+bearing_watch::plan! {
     /// A layout up to these lengths.
     pub struct AnyPlan(Bounds {
         channels: CHANNELS,
@@ -68,7 +68,7 @@ fn layout(dice: &mut Dice) -> Layout {
         RegressionLayout {
             structure: if dice.below(2) == 0 { structure } else { structure.with_offset() },
             method: one_of(dice, [Method::LeastSquares, Method::Instruments]),
-            memory: one_of(dice, [Memory::Segment, Memory::LongSegment, Memory::Fading]),
+            memory: one_of(dice, [Memory::Segment, Memory::Fading]),
             y: current,
             u1: if dice.below(4) == 0 { reference.minus(velocity) } else { reference },
             u2: load,

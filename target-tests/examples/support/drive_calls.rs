@@ -43,29 +43,7 @@ pub fn front_end(mut show: impl FnMut(&dyn fmt::Display)) {
 fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
     let [sensor, ..] = constants.sensors;
     opaque(PhaseSensor::amperes(&sensor, opaque(5)));
-    let mut sensors = opaque(CurrentSensors::new(opaque([sensor; 3]), opaque(20)));
-    let mut balance = opaque(CurrentBalance::new(opaque(constants.balance)));
-    let mut tracker = opaque(PositionTracker::new(&opaque(constants.tracking), opaque(10_000.0)));
-    for _ in 0..opaque(200) {
-        let RawSample { currents, position, .. } = opaque(motor.sample());
-        opaque(PhaseCounts::as_slice(&currents));
-        opaque(CurrentSensors::clarke(&mut sensors, &currents));
-        let currents = CurrentSensors::convert(&mut sensors, &currents);
-        if let Some(tracked) = opaque(PositionTracker::push(&mut tracker, &position)) {
-            let electrical = RotorFrame::electrical(&constants.frame, Tracked::measured(&tracked));
-            opaque(CurrentBalance::push(&mut balance, opaque(currents), electrical, electrical.sin_cos()));
-        }
-        opaque((PositionTracker::lock(&tracker), PositionTracker::velocity_rad_s(&tracker)));
-    }
-    PositionTracker::skip(&mut tracker, opaque(7));
-    opaque((PositionTracker::acceleration_constant(&tracker), PositionTracker::faults(&tracker)));
-    opaque((PositionTracker::mismatched(&tracker), PositionTracker::has_stuck_bit(&tracker)));
-    PositionTracker::clear_faults(opaque(&mut tracker));
-    opaque((CurrentBalance::imbalance(&balance), CurrentBalance::unbalanced_windows(&balance)));
-    opaque((CurrentBalance::alignment(&balance), CurrentBalance::last_imbalance(&balance)));
-    CurrentBalance::clear_faults(opaque(&mut balance));
-    opaque((CurrentSensors::faults(&sensors), CurrentSensors::any_stuck(&sensors)));
-    CurrentSensors::clear_faults(opaque(&mut sensors));
+    opaque(PhaseCounts::as_slice(&opaque(motor.sample()).currents));
 }
 
 fn wiring(constants: &FrontEndConstants, motor: &mut Motor<2>, show: &mut impl FnMut(&dyn fmt::Display)) {
@@ -100,6 +78,5 @@ fn chain<const FURTHER: usize, const FACTOR: usize>(
         opaque(FrontEnd::push(&mut front_end, &opaque(motor.sample())));
     }
     opaque(Faults::is_clear(&opaque(FrontEnd::faults(&front_end))));
-    opaque((FrontEnd::tracker(&front_end), FrontEnd::frame(&front_end)));
     FrontEnd::clear_faults(opaque(&mut front_end));
 }

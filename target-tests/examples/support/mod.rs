@@ -39,8 +39,6 @@ pub mod raw_damage;
 #[allow(dead_code, reason = "not every program estimates by instrumental variables")]
 #[path = "../../../examples/support/refined.rs"]
 pub mod refined;
-#[allow(dead_code, reason = "only `measure` learns a map of the rotor")]
-pub mod rotor;
 #[allow(dead_code, reason = "not every program watches the shaft")]
 pub mod shaft;
 #[allow(dead_code, reason = "not every program estimates by least squares")]

@@ -13,20 +13,16 @@ use bearing_watch::{
 /// Every public function of a monitor.
 pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample: impl FnMut() -> P::Sample) {
     let mut monitor = opaque(Monitor::new(model));
+    let mut segment = opaque(Segment::new(model));
     for _ in 0..opaque(50) {
-        if let Some(segment) = opaque(Detector::collect(detector, &sample())) {
-            let now = Monitor::conclude(&mut monitor, opaque(segment.clone()));
-            opaque((
-                now.alarm,
-                now.silence,
-                Detector::adopt(detector, now.report),
-                Detector::is_in_first_half(detector),
-            ));
-            Monitor::take(&mut monitor, segment);
-            opaque((Monitor::complete(&mut monitor).is_some(), Monitor::withdraw(&mut monitor, opaque(3))));
-            for _ in 0..opaque(50) {
-                opaque((Monitor::advance(&mut monitor).is_some(), Monitor::is_solving(&monitor)));
-            }
+        if let Some(now) = Monitor::step(&mut monitor, detector, &sample()) {
+            opaque((now.alarm, now.silence, Detector::adopt(detector, now.report)));
+            opaque(Detector::is_in_first_half(detector));
+        }
+        Monitor::take_from(&mut monitor, &mut segment);
+        opaque((Monitor::complete(&mut monitor).is_some(), Monitor::withdraw(&mut monitor, opaque(3))));
+        for _ in 0..opaque(50) {
+            opaque((Monitor::advance(&mut monitor).is_some(), Monitor::is_solving(&monitor)));
         }
     }
     let mut other = opaque(Monitor::new(model));
@@ -42,10 +38,7 @@ pub fn run<P: Plan>(model: &Model<P>, detector: &mut Detector<'_, P>, mut sample
     Monitor::tell_alignment(&mut other, opaque(Alignment::Misaligned));
     opaque((Alignment::message(opaque(Alignment::Unknown)), Obstacle::message(opaque(Obstacle::TooNoisy))));
     let mut bytes = opaque([0; 1000]);
-    opaque(Monitor::save_within_run(&other, &mut bytes).is_ok());
-    opaque((Monitor::end_run(&mut monitor), Monitor::alarm(&monitor)));
-    opaque(Monitor::growth(&monitor, opaque(1)).is_some());
-    opaque((Monitor::report(&monitor).is_some(), Monitor::saved_len(&monitor)));
+    opaque((Monitor::end_run(&mut monitor), Monitor::report(&monitor).is_some()));
     opaque((Monitor::save(&mut monitor, &mut bytes).is_ok(), Monitor::restore(&mut monitor, &bytes).is_ok()));
     opaque(Evidence::segments(Monitor::evidence(&monitor)));
     of_directions(model, Monitor::evidence(&monitor));
@@ -76,17 +69,13 @@ fn of_directions<P: Plan>(model: &Model<P>, evidence: &Evidence<P>) {
 
 /// Places that are exchanged.
 pub fn exchange<P: Plan>(model: &Model<P>, mut sample: impl FnMut() -> P::Sample) {
-    let [mut first, mut second, mut third] = opaque([(); 3].map(|()| Segment::new(opaque(model))));
-    let mut spare = Some(&mut second);
-    let mut detector = Detector::in_place(opaque(Detector::new(model)), &mut third);
-    opaque(Detector::pending(&detector));
-    detector = Detector::with_place(model, &mut first);
+    let [mut first, mut second] = opaque([(); 2].map(|()| Segment::new(opaque(model))));
+    let (mut detector, mut spare) = (Detector::with_place(model, &mut first), Some(&mut second));
     let mut monitor = opaque(Monitor::new(model));
     for _ in 0..opaque(50) {
         match Detector::exchange(&mut detector, &opaque(sample()), &mut spare) {
             Exchange::Open | Exchange::Lost => {}
             Exchange::Closed(place) => {
-                opaque(Monitor::conclude_from(&mut monitor, opaque(place)).alarm);
                 Monitor::take_from(&mut monitor, opaque(place));
                 spare = opaque(Some(place));
             }

@@ -1,14 +1,14 @@
 //! Whole streams through every estimator: segments, bad samples, delays; solved at once, deferred, and in steps.
 
-use bearing_watch::internals::Alone;
 use bearing_watch::model::{Channel, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Layout, Memory, Method, Plan, RegressionLayout, Structure};
+use bearing_watch::recursive::RecursiveEstimator;
 use bearing_watch::{Counts, Estimate};
 
 use super::support::hash::Hash;
 use super::support::numbers::Numbers;
 
-/// Samples a segment: more than two blocks of two levels.
+/// Samples a segment.
 const SEGMENT: usize = 1200;
 const SEGMENTS: usize = 4;
 
@@ -31,7 +31,6 @@ pub struct Outcome {
 #[derive(Clone, Copy, Debug)]
 pub struct Outcomes {
     pub plain: Outcome,
-    pub two_level: Outcome,
     pub fading: Outcome,
 }
 
@@ -85,10 +84,9 @@ pub fn run(report: impl Fn(usize, &Outcomes)) {
         ($($number:literal $method:ident $structure:expr;)+) => { $({
             const STRUCTURE: Structure = $structure;
             planned!(Plain PlainSample $method Segment STRUCTURE);
-            planned!(TwoLevel TwoLevelSample $method LongSegment STRUCTURE);
             planned!(Faded FadedSample $method Fading STRUCTURE);
-            let (plain, two_level, fading) = (outcome_of(Plain), outcome_of(TwoLevel), outcome_of(Faded));
-            report($number, &Outcomes { plain, two_level, fading });
+            let (plain, fading) = (outcome_of(Plain), outcome_of(Faded));
+            report($number, &Outcomes { plain, fading });
         })+ };
     }
     streams! {
@@ -150,7 +148,7 @@ fn outcome<P: Three>(plan: P, way: Way) -> Outcome {
     ];
     let [y, ..] = named;
     let channels = Cells::from_fn(named.len(), |place| named.get(place).copied().unwrap_or(y));
-    let mut stream = Alone::new(plan, &channels, &constants);
+    let mut stream = RecursiveEstimator::new(plan, &channels, &constants);
     let mut plant = Plant::new(layout.structure);
     for _ in 0..SEGMENTS {
         (0..SEGMENT).for_each(|_| stream.step(&P::sample(plant.sample())));

@@ -60,7 +60,7 @@ fn below<P: Plan, F>(watch: &'static Watch<P, F>, show: &mut impl FnMut(&dyn fmt
     let [sample_s, segment_s, verdict_s] = opaque([1.0, 30.0, 1e9]);
     Watch::limit_liveness(watch, LivenessLimits { sample_s, segment_s, verdict_s });
     opaque(Sampling::segment_s(&MODEL.constants().sampling));
-    opaque(Watch::monitor(watch, |monitor| monitor.alarm()));
+    opaque(Watch::monitor(watch, |monitor| monitor.evidence().alarm()));
     let mut bytes = opaque([0; 2048]);
     if let Err(error) = Watch::end_run(watch, &mut bytes) {
         show(&error);

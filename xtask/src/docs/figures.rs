@@ -97,13 +97,12 @@ const fn kernel(
 type Value = fn(&Figure) -> Option<u64>;
 
 /// Whole detectors: a title, how the name of the figure ends, and its value. One column each, see [`DETECTORS`].
-const CALLS: [(&str, &str, Value); 17] = [
+const CALLS: [(&str, &str, Value); 16] = [
     ("`exchange`, mean sample", "collect, mean sample", |f| f.instructions),
     ("`exchange`, longest sample", "collect, longest sample", |f| f.instructions),
     ("the same for any data", "collect, longest sample, any data", |f| f.instructions),
     ("`exchange`, the sample that closes a segment", "collect, sample that closes", |f| f.instructions),
     ("the same for any data", "collect, sample that closes, any data", |f| f.instructions),
-    ("the same of `collect`, which copies and clears", "collect by copy, sample that closes", |f| f.instructions),
     ("`conclude`", "conclude", |f| f.instructions),
     ("the same for any data", "conclude, any data", |f| f.instructions),
     ("`Monitor::advance`, longest step", "longest step", |f| f.instructions),

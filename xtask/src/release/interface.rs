@@ -35,9 +35,8 @@ fn compare(name: &str, revision: &str) -> Result<&'static str> {
     Ok("compatible with its version")
 }
 
-/// All features of the core but `internals`.
-const PROMISED_FEATURES: &str =
-    "alloc,bounded,defmt,embedded-can,embedded-hal,embedded-storage,nalgebra,signature,telemetry,watch";
+/// All features of the core.
+const PROMISED_FEATURES: &str = "alloc,bounded,defmt,embedded-hal,embedded-storage,signature,telemetry,watch";
 
 #[cfg(test)]
 mod tests {
@@ -45,13 +44,13 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn all_features_but_the_internals_are_promised() -> Result<()> {
+    fn all_features_are_promised() -> Result<()> {
         let manifest = fs::read_to_string(workspace::root().join("Cargo.toml"))?;
         let section = manifest.split("\n[features]\n").nth(1).and_then(|rest| rest.split("\n[").next());
         let names = section.unwrap_or_default().lines().filter(|line| !line.starts_with('#'));
         let mut names: Vec<_> =
             names.filter_map(|line| line.split(" = ").next()).filter(|name| !name.is_empty()).collect();
-        names.retain(|name| !["default", "internals"].contains(name));
+        names.retain(|name| *name != "default");
         names.sort_unstable();
         assert_eq!(names.join(","), PROMISED_FEATURES);
         Ok(())

@@ -18,12 +18,12 @@ fn channels() -> Vec<Channel> {
     ["y", "u1", "u2"].map(|name| Channel::within(name, "", 1e3)).to_vec()
 }
 
-fn step(stream: &mut Alone<'_, RunTime>, y: f32, u1: f32, u2: f32) {
+fn step(stream: &mut RecursiveEstimator<'_, RunTime>, y: f32, u1: f32, u2: f32) {
     stream.step(&RunTimeSample { values: vec![y, u1, u2], ..RunTimeSample::default() });
 }
 
 /// y = 1.2 y₁ − 0.4 y₂ + 0.5 u1₁ − 0.25 u2₁ + 0.1 with two square waves.
-fn feed(stream: &mut Alone<'_, RunTime>, count: u32) {
+fn feed(stream: &mut RecursiveEstimator<'_, RunTime>, count: u32) {
     let [mut y1, mut y2, mut u1, mut u2] = [0.0_f32; 4];
     for t in 0..count {
         let y = 1.2 * y1 - 0.4 * y2 + 0.5 * u1 - 0.25 * u2 + 0.1;
@@ -37,7 +37,7 @@ fn feed(stream: &mut Alone<'_, RunTime>, count: u32) {
 #[test]
 fn exact_data_give_the_exact_model() {
     let (channels, constants) = (channels(), constants());
-    let mut stream = Alone::new(plan(), &channels, &constants);
+    let mut stream = RecursiveEstimator::new(plan(), &channels, &constants);
     feed(&mut stream, 300);
     let estimate = stream.estimate();
     let expected = [-1.2, 0.4, 0.5, -0.25, 0.1];
@@ -52,7 +52,7 @@ fn exact_data_give_the_exact_model() {
 #[test]
 fn few_rows_constant_signals_and_nan_are_reasons() {
     let (channels, constants) = (channels(), constants());
-    let mut stream = Alone::new(plan(), &channels, &constants);
+    let mut stream = RecursiveEstimator::new(plan(), &channels, &constants);
     let few = |rows| Some(Reason::TooFewRows { part: Part::Regression, rows });
     assert_eq!(stream.estimate().reason, few(0));
     feed(&mut stream, 7); // 5 rows for 5 parameters
@@ -70,18 +70,15 @@ fn few_rows_constant_signals_and_nan_are_reasons() {
 /// u2 = c·u1, whatever c, initial value and length of the memory: nothing tells their parameters apart.
 #[test]
 fn dependent_inputs_have_no_estimate_by_any_memory() {
-    for (memory, lambda, rows) in [
-        (Memory::Segment, 1.0, 5000),
-        (Memory::LongSegment, 1.0, 5000),
-        (Memory::Fading, 0.99, 5000),
-        (Memory::Fading, 0.999, 20_000),
-    ] {
+    for (memory, lambda, rows) in
+        [(Memory::Segment, 1.0, 5000), (Memory::Fading, 0.99, 5000), (Memory::Fading, 0.999, 20_000)]
+    {
         let structure = Structure::new(1, 1, 1, 1, 1);
         let plan = RunTime::of(testing::regression(structure, Method::LeastSquares, memory)).unwrap();
         let (channels, mut regression) = (channels(), Regression::new(plan));
         (regression.forgetting, regression.rest) = (Forgetting { lambda, floor: 0.01 / (1.0 - lambda + 1e-9) }, 1e-4);
         for c in [1.0_f32, -0.7, 3.3, 1e-2] {
-            let mut stream = Alone::new(plan, &channels, &regression);
+            let mut stream = RecursiveEstimator::new(plan, &channels, &regression);
             let mut reasons = Vec::new();
             let (mut y, mut state) = (0.3_f32, 7_u32);
             for t in 1..=rows {
@@ -111,7 +108,7 @@ fn dependent_inputs_have_no_estimate_by_any_memory() {
 #[test]
 fn next_segment_keeps_the_lags() {
     let (channels, constants) = (channels(), constants());
-    let mut stream = Alone::new(plan(), &channels, &constants);
+    let mut stream = RecursiveEstimator::new(plan(), &channels, &constants);
     feed(&mut stream, 50);
     stream.next_segment();
     feed(&mut stream, 50);
@@ -126,7 +123,7 @@ fn a_level_far_from_zero_costs_no_digits() {
     let (channels, constants) = (channels(), constants());
     // The model of `feed`, seen from an operating point of y + 900, u1 + 500, u2 − 300.
     let run = |shift: [f32; 3]| {
-        let mut stream = Alone::new(plan(), &channels, &constants);
+        let mut stream = RecursiveEstimator::new(plan(), &channels, &constants);
         let [mut y1, mut y2, mut u1, mut u2] = [0.0_f32; 4];
         for t in 0..2000_u32 {
             let noise = if t % 5 < 2 { 0.015_625 } else { -0.015_625 };
@@ -194,7 +191,7 @@ fn samples(count: u32, noise: f32, level: [f32; 3]) -> impl Iterator<Item = [f32
 #[test]
 fn instruments_give_the_exact_model_from_a_wrong_start() {
     let (channels, constants) = (channels(), start(refined(false), 0.7));
-    let mut stream = Alone::new(refined(false), &channels, &constants);
+    let mut stream = RecursiveEstimator::new(refined(false), &channels, &constants);
     samples(2000, 0.0, [0.0; 3]).for_each(|[y, u1, u2]| step(&mut stream, y, u1, u2));
     let estimate = stream.close();
     assert_eq!(estimate.rows, 2000 - 3 - 100, "delays, start, settling");
@@ -208,8 +205,8 @@ fn noise_biases_least_squares_and_not_instruments() {
     let squares = testing::regression(Structure::new(2, 2, 1, 1, 2), Method::LeastSquares, Memory::Segment);
     let squares = RunTime::of(squares).unwrap();
     let (channels, by_iv, by_ls) = (channels(), start(refined(false), 1.2), start(squares, 1.2));
-    let mut instruments = Alone::new(refined(false), &channels, &by_iv);
-    let mut least = Alone::new(squares, &channels, &by_ls);
+    let mut instruments = RecursiveEstimator::new(refined(false), &channels, &by_iv);
+    let mut least = RecursiveEstimator::new(squares, &channels, &by_ls);
     for [y, u1, u2] in samples(60_000, 0.05, [0.0; 3]) {
         step(&mut instruments, y, u1, u2);
         step(&mut least, y, u1, u2);
@@ -230,8 +227,8 @@ fn noise_biases_least_squares_and_not_instruments() {
 #[test]
 fn an_operating_point_moves_the_constant_only() {
     let (channels, near, far) = (channels(), start(refined(false), 0.9), start(refined(true), 0.9));
-    let mut plain = Alone::new(refined(false), &channels, &near);
-    let mut lifted = Alone::new(refined(true), &channels, &far);
+    let mut plain = RecursiveEstimator::new(refined(false), &channels, &near);
+    let mut lifted = RecursiveEstimator::new(refined(true), &channels, &far);
     let mut last = None;
     for segment in 0..3 {
         let range = samples(9000, 0.01, [0.0; 3]).skip(3000 * segment).take(3000);
@@ -256,16 +253,16 @@ fn an_operating_point_moves_the_constant_only() {
 fn a_deferred_solve_gives_the_same_bits() {
     let (channels, mut constants) = (channels(), start(refined(false), 1.2));
     (constants.handover, constants.settle) = (300, 100);
-    let mut inline = Alone::new(refined(false), &channels, &constants);
+    let mut inline = RecursiveEstimator::new(refined(false), &channels, &constants);
     let (mut whole, mut steps) = (inline.clone(), inline.clone());
-    let (mut segment, mut solver) = (None, None::<Detached<RunTime>>);
+    let (mut segment, mut solver) = (None, None::<ClosedSegment<RunTime>>);
     let mut taken_over = 0;
     for (t, [y, u1, u2]) in samples(10_000, 0.05, [0.0; 3]).enumerate() {
         for stream in [&mut inline, &mut whole, &mut steps] {
             step(stream, y, u1, u2);
         }
         if t % 2000 == 30 {
-            let solved = segment.take().map(|closed: Detached<_>| closed.finish(&constants));
+            let solved = segment.take().map(|closed: ClosedSegment<_>| closed.finish(&constants));
             taken_over += u32::from(solved.is_some_and(|estimate| whole.adopt(&estimate)));
         }
         if let Some(estimate) = solver.as_mut().and_then(|solver| solver.advance(&constants)) {
@@ -288,12 +285,12 @@ fn a_deferred_solve_gives_the_same_bits() {
 fn a_late_estimate_is_refused_and_three_missing_ones_bring_the_nominal_model_back() {
     let (channels, mut constants) = (channels(), start(refined(false), 1.2));
     constants.handover = HANDOVER;
-    let mut stream = Alone::new(refined(false), &channels, &constants);
+    let mut stream = RecursiveEstimator::new(refined(false), &channels, &constants);
     let mut all = samples(20_000, 0.05, [0.0; 3]);
-    let mut run = |stream: &mut Alone<'_, RunTime>, count: usize| {
+    let mut run = |stream: &mut RecursiveEstimator<'_, RunTime>, count: usize| {
         all.by_ref().take(count).for_each(|[y, u1, u2]| step(stream, y, u1, u2));
     };
-    let base = |stream: &Alone<'_, RunTime>| stream.segment().sums.base().to_vec();
+    let base = |stream: &RecursiveEstimator<'_, RunTime>| stream.segment().sums.base().to_vec();
     run(&mut stream, 2000);
     let first = stream.close();
     run(&mut stream, 2000);
@@ -313,12 +310,12 @@ fn a_late_estimate_is_refused_and_three_missing_ones_bring_the_nominal_model_bac
 
 #[test]
 fn sums_go_on_in_another_place_as_in_their_own() {
-    for memory in [Memory::Segment, Memory::LongSegment, Memory::Fading] {
+    for memory in [Memory::Segment, Memory::Fading] {
         let structure = Structure::new(2, 1, 1, 1, 1).with_offset();
         let plan = RunTime::of(testing::regression(structure, Method::LeastSquares, memory)).unwrap();
         let constants = Regression { scale: constants().scale, ..Regression::new(plan) };
         let channels = channels();
-        let mut stream = Alone::new(plan, &channels, &constants);
+        let mut stream = RecursiveEstimator::new(plan, &channels, &constants);
         feed(&mut stream, 700);
         let mut other = RegressionSums::new(plan);
         other.follow(plan, &stream.sums);

@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use bearing_watch::shaft::RotorChange;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use crate::command_line::{jobs, options::Taken, output};
 use crate::recordings::reading::{self, balanced};
 use model::Error;
-use model::cogging::{Line, Lines, LinesSettings, Recording, Residual, Wave, fit, map, odrive, residuals, since, told};
+use model::cogging::{
+    Line, Lines, LinesSettings, Recording, Residual, RotorChange, Wave, fit, map, odrive, residuals, since, told,
+};
 use model::grey_box::motor::{Load, MotorRecord, MotorSettings};
 use model::trace::{Channels, MotionTrace, ShaftChannels, Trace};
 use pages::cogging::{HEADER, cells, page};
@@ -232,7 +233,6 @@ fn of_change(change: &RotorChange) -> Value {
             json!({ "kind": "slipped", "angle_rad": angle_rad, "deviation_rad": deviation_rad })
         }
         RotorChange::Other { order } => json!({ "kind": "other", "order": order }),
-        _ => json!({ "kind": "other" }),
     };
     value["text"] = told(change).into();
     value

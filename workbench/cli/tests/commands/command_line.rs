@@ -199,7 +199,7 @@ fn bad_input_is_one_line_with_file_place_and_remedy() {
     refuse(dir, &format!("{train} --features d"), &["no d in this model", "log_variance"]);
     refuse(dir, &format!("{train} --priors good=1"), &["says nothing of class bad"]);
     refuse(dir, &format!("{train} --cost good:worse=3"), &["unknown class worse"]);
-    refuse(dir, &format!("{train} --segment 4"), &["--segment 4", "6 to 1000000"]);
+    refuse(dir, &format!("{train} --segment 4"), &["--segment 4", "6 to 100000"]);
     refuse(dir, &format!("{train} --cost good:good=3"), &["a right decision costs nothing"]);
     refuse(dir, &format!("{train} --priors good=1,good=2,bad=1"), &["names good twice"]);
     refuse(dir, &format!("{train} --classes good,good"), &["names good twice"]);

@@ -97,7 +97,7 @@ fn bad_options_are_one_line() {
         ("--memory 1", ["--memory 1", "above 0.9000, at most 0.9999"]),
         ("--memory 0.1", ["--memory 0.1", "above 0.9000"]),
         ("--handover 1251", ["--handover 1251", "quarter of the segment of 5000"]),
-        ("--segment 1000001", ["--segment 1000001", "to 1000000"]),
+        ("--segment 100001", ["--segment 100001", "to 100000"]),
         ("--saturation 0.001,100,5", ["trace healthy_5_000.csv", "samples saturated"]),
     ] {
         refuse(dir, &format!("{train} {options}"), &words);

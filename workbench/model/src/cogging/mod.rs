@@ -5,6 +5,7 @@
 //!                                                                              └─► since: what has changed
 //! ```
 
+mod change;
 mod lines;
 mod map;
 mod residual;
@@ -12,6 +13,7 @@ mod since;
 mod usable;
 mod wave;
 
+pub use change::{RotorChange, RotorLimits, RotorLine};
 pub use lines::{Line, Lines, LinesSettings, fit, fit_of};
 pub use map::{MapPoint, map, odrive};
 pub use residual::{Recording, Residual, residuals};

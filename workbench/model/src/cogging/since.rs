@@ -1,13 +1,12 @@
-//! What has changed between two sets of recordings, by the comparison of the core.
+//! What has changed between two sets of recordings.
 
-use bearing_watch::shaft::{RotorChange, RotorLimits, RotorLine};
-
+use super::change::{RotorChange, RotorLimits, RotorLine};
 use super::lines::{Line, Lines, fit_of};
 use super::residual::Residual;
 use super::wave::Wave;
 use crate::Error;
 
-/// Lines that the core compares: those that stand out most.
+/// Lines that are compared: those that stand out most.
 const COMPARED: usize = 16;
 
 /// Compares the lines that stand out in either set, from those of before to those of now.
@@ -34,12 +33,12 @@ pub fn since(
         orders
     };
     let (torques, ripples) = (orders(|line| line.torque_nm), orders(|line| line.ripple));
-    let of = |residuals: &[Residual]| Ok(in_core(&fit_of(residuals, &torques, &ripples)?));
+    let of = |residuals: &[Residual]| Ok(in_amperes(&fit_of(residuals, &torques, &ripples)?));
     Ok(RotorChange::between(&of(residuals_before)?, &of(residuals)?, &RotorLimits::USUAL))
 }
 
-/// The torques as lines of the core, in amperes.
-fn in_core(lines: &Lines) -> Vec<RotorLine> {
+/// The torques as lines in amperes.
+fn in_amperes(lines: &Lines) -> Vec<RotorLine> {
     let line = |line: &Line| {
         let wave = line.torque_nm?.times(1.0 / lines.torque_constant_nm_a);
         Some(RotorLine {
@@ -66,6 +65,5 @@ pub fn told(change: &RotorChange) -> String {
             1.96 * deviation_rad.to_degrees()
         ),
         RotorChange::Other { order } => format!("lines have changed in another way, most of all order {order}"),
-        _ => "lines have changed".into(),
     }
 }

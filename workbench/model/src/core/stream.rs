@@ -3,7 +3,7 @@
 use bearing_watch::alarm::StateError;
 use bearing_watch::drive::Alignment;
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Detector, Monitor};
+use bearing_watch::{Detector, Evidence, Monitor};
 
 use super::embedded::Embedded;
 use super::segment::SegmentReport;
@@ -167,9 +167,9 @@ impl Stream<'_> {
     /// The evidence, with its alarm, as bytes, as the firmware stores them.
     #[must_use]
     pub fn save(&self) -> Vec<u8> {
-        let mut bytes = vec![0; self.monitor.saved_len()];
+        let mut bytes = vec![0; Evidence::saved_len(self.model.model())];
         // The buffer has the length that the state needs.
-        let _saved = self.monitor.save_within_run(&mut bytes);
+        let _saved = self.monitor.evidence().save(self.model.model(), &mut bytes);
         bytes
     }
 

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use bearing_watch::internals::Triangle;
+use bearing_watch::recursive::Triangle;
 use bearing_watch::model::Forgetting;
 use nalgebra::{SMatrix, SVector};
 use oxictl::adaptive::Rls;

@@ -1,6 +1,6 @@
 //! From the settings to the recipe of a training: structure, preparation, estimator and folds.
 
-use bearing_watch::model::MAX_LONG_SEGMENT_ROWS;
+use bearing_watch::model::{MAX_SEGMENT_ROWS, MAX_SEGMENT_SAMPLES};
 
 use crate::Error;
 use crate::identify::Structure;
@@ -80,8 +80,9 @@ impl Model {
         if let Some(segment) = self.segment {
             let outputs = if method == Method::Instruments { structure.na as usize } else { 0 };
             let least = structure.depth() + structure.parameters() + outputs + 2;
-            if segment < least || segment > MAX_LONG_SEGMENT_ROWS as usize {
-                let problem = format!("--segment {segment}: at this order it is {least} to {MAX_LONG_SEGMENT_ROWS}");
+            let most = self.memory.map_or(MAX_SEGMENT_ROWS, |_| MAX_SEGMENT_SAMPLES);
+            if segment < least || segment > most as usize {
+                let problem = format!("--segment {segment}: at this order it is {least} to {most}");
                 return Err(Error::Usage(problem));
             }
         }

@@ -3,7 +3,7 @@
 //! Segments of which no length is given: a trace is one segment, unless it is much longer than a verdict needs: then it is cut into equal segments of at
 //! least ten seconds, a hundred turns and ten thousand samples. They have enough rows for a feature's error to be small
 //! beside its spread between records, enough turns to tell the orders of a bearing apart, and the drive has a verdict
-//! long before the end of such a trace. More than [`MAX_SEGMENT_ROWS`] would need sums in two levels.
+//! long before the end of such a trace. Without fading memory a segment has at most [`MAX_SEGMENT_ROWS`].
 //!
 //! The source of the velocity that is better for a drive: its channel, or the differences of the angle. The noise of the
 //! velocity, differentiated, hides small defects. A resolver resolves 2¹⁴ steps of a turn, whose
@@ -16,7 +16,7 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::model::{MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
+use bearing_watch::model::{MAX_SEGMENT_ROWS, MAX_SEGMENT_SAMPLES};
 
 use super::{filters, regression, shaft};
 use crate::Error;
@@ -107,10 +107,8 @@ pub(crate) fn with_segment(traces: &[LabelledTrace], recipe: &Recipe) -> (usize,
         return (samples, recipe.clone());
     }
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
-    let samples = match longest / least(traces) {
-        0 | 1 => longest.min(MAX_LONG_SEGMENT_ROWS as usize),
-        parts => longest / parts,
-    };
+    let most = recipe.estimation.memory.map_or(MAX_SEGMENT_ROWS, |_| MAX_SEGMENT_SAMPLES) as usize;
+    let samples = longest / (longest / least(traces)).max(longest.div_ceil(most)).max(1);
     let segment = (samples < longest).then_some(samples);
     (samples, Recipe { estimation: Estimation { segment, ..recipe.estimation.clone() }, ..recipe.clone() })
 }
@@ -207,9 +205,10 @@ mod tests {
         // 150 000 samples are 15 parts; a shorter trace is cut as well.
         assert_eq!(of(&[150_000, 30_000], 40.0), (10_000, Some(10_000)));
         assert_eq!(of(&[25_000], 40.0), (12_500, Some(12_500)));
-        // At 2 rad/s a hundred turns take 314 s, 157 080 samples: more than the core sums in one level.
-        assert_eq!(of(&[150_000], 2.0), (150_000, None));
-        assert_eq!(of(&[250_000], 2.0), (125_000, Some(125_000)));
+        // At 2 rad/s a hundred turns take 314 s, 157 080 samples: more than the core sums.
+        assert_eq!(of(&[100_000], 2.0), (100_000, None));
+        assert_eq!(of(&[150_000], 2.0), (75_000, Some(75_000)));
+        assert_eq!(of(&[290_000], 2.0), (96_666, Some(96_666)));
         assert_eq!(of(&[], 2.0), (0, None));
     }
 }

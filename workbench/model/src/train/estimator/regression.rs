@@ -14,9 +14,9 @@
 
 use std::borrow::Cow;
 
-use bearing_watch::internals::is_stable;
-use bearing_watch::model::{Channel, Forgetting, MAX_LAMBDA, MAX_SEGMENT_ROWS, Regression};
+use bearing_watch::model::{Channel, Forgetting, MAX_LAMBDA, Regression};
 use bearing_watch::plan::{MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout, RunTime, Signal};
+use bearing_watch::recursive::is_stable;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -87,7 +87,6 @@ pub(crate) fn regression(
     let nominal = nominal(traces, classes, structure, estimation)?;
     let memory = match estimation.memory {
         Some(_) => Memory::Fading,
-        None if segment > MAX_SEGMENT_ROWS as usize => Memory::LongSegment,
         None => Memory::Segment,
     };
     let layout = RegressionLayout { structure, method: estimation.method, memory, y, u1, u2 };

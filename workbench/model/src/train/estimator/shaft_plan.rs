@@ -20,8 +20,7 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::internals::LAGS;
-use bearing_watch::model::{Blocks, CONTROLS, MAX_LAG, TrackedOrder, Tracking, q16};
+use bearing_watch::model::{Blocks, CONTROLS, LAGS, MAX_LAG, TrackedOrder, Tracking, q16};
 use bearing_watch::plan::RunTime;
 
 use crate::Error;

@@ -9,7 +9,7 @@
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
-use bearing_watch::internals::BRIDGE;
+use bearing_watch::model::BRIDGE;
 
 use crate::trace::MotionTrace;
 

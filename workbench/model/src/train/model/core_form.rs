@@ -2,7 +2,7 @@
 
 use bearing_watch::Model;
 use bearing_watch::model::{
-    Classifier, Discriminant, Label, MAX_BYTES, MAX_LONG_SEGMENT_ROWS, Novelty, Projection, Sampling,
+    Classifier, Discriminant, Label, MAX_BYTES, MAX_SEGMENT_SAMPLES, Novelty, Projection, Sampling,
 };
 use bearing_watch::plan::{Kind, Layout, RunTime};
 use nalgebra::{DMatrix, DVector};
@@ -142,7 +142,7 @@ impl Gate {
 }
 
 pub(crate) fn samples(segment: usize) -> Result<u32, Error> {
-    u32::try_from(segment).map_err(|_| Error::Usage(format!("a segment has at most {MAX_LONG_SEGMENT_ROWS} samples")))
+    u32::try_from(segment).map_err(|_| Error::Usage(format!("a segment has at most {MAX_SEGMENT_SAMPLES} samples")))
 }
 
 fn count(value: usize, what: &str) -> Result<u8, Error> {

@@ -29,7 +29,6 @@ pub fn c_header(
     let mut buffer = vec![0; MAX_BYTES];
     let length = model.to_bytes("", &mut buffer).map_err(|error| Error::Training(error.to_string()))?;
     let bytes = &buffer[..length];
-    let id = model.id();
     let (layout, constants) = (model.plan().layout(), model.constants());
     let channels = &constants.channels;
     let labels: Vec<&str> = constants.labels.iter().map(|label| label.as_str()).collect();
@@ -43,10 +42,8 @@ pub fn c_header(
         line(&mut out, &format!(" * {}", comment(note)));
     }
     out += " */\n#ifndef BEARING_WATCH_MODEL_H\n#define BEARING_WATCH_MODEL_H\n\n#include <stdint.h>\n\n#include \"bearing_watch.h\"\n\n";
-    line(&mut out, "/* Checksum of the model: another model has another one. */");
-    line(&mut out, &format!("#define BW_MODEL_ID 0x{id:08x}u"));
-    line(&mut out, "/* Mark of the model, for `bw_init_own`. */");
-    line(&mut out, &format!("#define BW_MODEL_MARK 0x{:08x}u", model.mark()));
+    line(&mut out, "/* Number of the model, for `bw_init_own`: another model has another one. */");
+    line(&mut out, &format!("#define BW_MODEL_ID 0x{:08x}u", model.id()));
     line(&mut out, "/* Number of bytes. */");
     line(&mut out, &format!("#define BW_MODEL_LENGTH {length}u"));
     line(&mut out, "/* Interval of the samples, s; 0 if it is unknown. */");
@@ -116,9 +113,9 @@ mod tests {
         let array = array.split_once("};").expect("the end of the array").0;
         let bytes = array.split_terminator(',').map(str::trim).filter(|byte| !byte.is_empty());
         let bytes: Vec<u8> = bytes.map(|byte| u8::from_str_radix(&byte[2..], 16).expect("a byte")).collect();
+        let id = model.id();
         assert_eq!(Model::<RunTime>::from_bytes(&bytes), Ok(model));
         assert_eq!(value(&header, "BW_MODEL_LENGTH"), format!("{}u", bytes.len()));
-        let id = u32::from_le_bytes(*bytes.last_chunk().expect("the checksum"));
         assert_eq!(value(&header, "BW_MODEL_ID"), format!("0x{id:08x}u"));
         assert_eq!(value(&header, "BW_MODEL_SEGMENT_SAMPLES"), "5000u");
         assert_eq!(value(&header, "BW_MODEL_INTERVAL_S"), "0.002f");

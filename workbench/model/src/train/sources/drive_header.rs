@@ -103,7 +103,7 @@ fn start(out: &mut String, front_end: bool) {
          \x20   BwCode code;\n\
          \x20   if (bw_known_answer_test() != 0u) {{ return BW_CODE_ARITHMETIC; }}\n\
          #ifdef BW_LIBRARY_HAS_MODEL\n\
-         \x20   code = bw_init_own(drive->detector_memory, sizeof drive->detector_memory, BW_MODEL_MARK, &drive->detector);\n\
+         \x20   code = bw_init_own(drive->detector_memory, sizeof drive->detector_memory, BW_MODEL_ID, &drive->detector);\n\
          #else\n\
          \x20   code = bw_init(drive->detector_memory, sizeof drive->detector_memory, bw_model, BW_MODEL_LENGTH,\n\
          \x20                  &drive->detector);\n\

@@ -17,11 +17,10 @@
 //!
 //! t is how much a line differs between motions for other reasons: delays, torque that depends on the temperature.
 
-use core::f32::consts::TAU;
+use std::f32::consts::TAU;
+use std::iter::zip;
 
-use super::line::RotorLine;
-use crate::regression::factor::kernels::pairs;
-use crate::signal::Angle;
+use bearing_watch::Angle;
 
 /// Steps of δ in a turn: an order of 128 turns by an eighth of its period in one.
 const STEPS: u16 = 1024;
@@ -32,9 +31,34 @@ const NEWTON: u8 = 4;
 /// Half of the difference of χ² within which the smaller of two slips is taken.
 const ALIKE: f32 = 2.0;
 
+/// The line `a cos kθ + b sin kθ`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RotorLine {
+    /// k, periods a turn.
+    pub order: u16,
+    /// a.
+    pub cosine_a: f32,
+    /// b.
+    pub sine_a: f32,
+    /// Standard deviation of a, and of b.
+    pub deviation_a: f32,
+}
+
+impl RotorLine {
+    /// The amplitude √(a² + b²).
+    #[must_use]
+    pub fn amplitude_a(&self) -> f32 {
+        self.power().sqrt()
+    }
+
+    /// a² + b².
+    fn power(&self) -> f32 {
+        self.cosine_a * self.cosine_a + self.sine_a * self.sine_a
+    }
+}
+
 /// When a change is named.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RotorLimits {
     /// Quantile of the normal distribution at the rate of false names: 3.09 for one in a thousand.
     pub quantile: f32,
@@ -49,8 +73,6 @@ impl RotorLimits {
 
 /// What has changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
 pub enum RotorChange {
     /// The lines are those of before.
     Unchanged,
@@ -127,8 +149,8 @@ struct Terms {
 impl Terms {
     fn of(before: &[RotorLine], now: &[RotorLine], tolerance: f32) -> Self {
         let mut terms = Self { list: [Term::NONE; LINES], lines: 0 };
-        let both = pairs(before, now).filter(|(before, now)| before.order == now.order);
-        for (term, (before, now)) in pairs(&mut terms.list, both) {
+        let both = zip(before, now).filter(|(before, now)| before.order == now.order);
+        for (term, (before, now)) in zip(&mut terms.list, both) {
             *term = Term::of(before, now, tolerance);
             terms.lines = terms.lines.saturating_add(1);
         }
@@ -170,7 +192,7 @@ impl Terms {
                 }
             }
             (older, old) = (old, likeness);
-            for ((product, step), _) in pairs(pairs(&mut turned, &steps), self.used()) {
+            for ((product, step), _) in zip(zip(&mut turned, &steps), self.used()) {
                 *product = times(*product, *step);
             }
             step = step.saturating_add(1);
@@ -221,7 +243,7 @@ impl RotorChange {
         if accepted(terms.sum(|term| term.distance), 0.0) {
             return Self::Unchanged;
         }
-        let grown = pairs(before, now).find(|(before, now)| before.order == 1 && now.power() > before.power());
+        let grown = zip(before, now).find(|(before, now)| before.order == 1 && now.power() > before.power());
         let others = terms.sum(|term| if term.order == 1 { 0.0 } else { term.distance });
         let slip = terms.searched();
         let left = terms.sum(|term| term.power) - 2.0 * slip.likeness;
@@ -232,7 +254,7 @@ impl RotorChange {
             }
             _ if is_slip => Self::Slipped {
                 angle_rad: slip.angle.radians(),
-                deviation_rad: 1.0 / libm::sqrtf(slip.information.max(f32::MIN_POSITIVE)),
+                deviation_rad: 1.0 / slip.information.max(f32::MIN_POSITIVE).sqrt(),
             },
             _ => Self::Other { order: terms.changed_most() },
         }
@@ -242,6 +264,82 @@ impl RotorChange {
 /// The quantile of χ² with these degrees of freedom, by that of the normal distribution.
 fn quantile(degrees: f32, normal: f32) -> f32 {
     let spread = 2.0 / (9.0 * degrees.max(1.0));
-    let root = 1.0 - spread + normal * libm::sqrtf(spread);
+    let root = 1.0 - spread + normal * spread.sqrt();
     degrees.max(0.0) * root * root * root
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line of this amplitude and phase.
+    fn line(order: u16, amplitude_a: f32, phase_rad: f32) -> RotorLine {
+        let (sine_a, cosine_a) = (amplitude_a * phase_rad.sin(), amplitude_a * phase_rad.cos());
+        RotorLine { order, cosine_a, sine_a, deviation_a: 0.002 }
+    }
+
+    /// These lines at angles that are `slip_rad` more than before.
+    fn slipped(lines: &[RotorLine], slip_rad: f32) -> Vec<RotorLine> {
+        let turn = |line_before: &RotorLine| {
+            let phase_rad = line_before.sine_a.atan2(line_before.cosine_a) + f32::from(line_before.order) * slip_rad;
+            line(line_before.order, line_before.amplitude_a(), phase_rad)
+        };
+        lines.iter().map(turn).collect()
+    }
+
+    #[test]
+    fn changes_are_told_apart() {
+        let usual = RotorLimits::USUAL;
+        let before =
+            [line(1, 0.12, 0.4), line(2, 0.06, -2.0), line(6, 0.06, 1.0), line(12, 0.12, 3.0), line(24, 0.08, 0.0)];
+        assert_eq!(RotorChange::between(&before, &before, &usual), RotorChange::Unchanged);
+        for degrees in [3.0_f32, -3.0, 17.0, 90.0, -170.0] {
+            let slip_rad = degrees.to_radians();
+            let change = RotorChange::between(&before, &slipped(&before, slip_rad), &usual);
+            let RotorChange::Slipped { angle_rad, deviation_rad } = change else { panic!("{degrees}: {change:?}") };
+            // Without noise; single precision of the 24th order.
+            assert!((angle_rad - slip_rad).abs() < 1e-4 && deviation_rad < 0.01, "{degrees}: {change:?}");
+        }
+        let mut heavy = before;
+        heavy[0] = line(1, 0.24, 0.4);
+        let RotorChange::Unbalance { before_a, now_a } = RotorChange::between(&before, &heavy, &usual) else {
+            panic!("unbalance")
+        };
+        assert!((before_a - 0.12).abs() < 1e-6 && (now_a - 0.24).abs() < 1e-6);
+        let mut other = before;
+        other[3] = line(12, 0.2, 3.0);
+        assert_eq!(RotorChange::between(&before, &other, &usual), RotorChange::Other { order: 12 });
+        other[3].cosine_a = f32::NAN;
+        assert!(matches!(RotorChange::between(&before, &other, &usual), RotorChange::Other { .. }));
+    }
+
+    /// Orders 6 and 12 are the same after a sixth of a turn.
+    #[test]
+    fn of_slips_that_explain_the_same_the_smallest_is_returned() {
+        let before = [line(6, 0.06, 1.0), line(12, 0.12, 3.0)];
+        for (degrees, expected) in
+            [(7.0_f32, 7.0_f32), (67.0, 7.0), (-175.0, 5.0), (-7.0, -7.0), (53.0, -7.0), (173.0, -7.0)]
+        {
+            let now = slipped(&before, degrees.to_radians());
+            let change = RotorChange::between(&before, &now, &RotorLimits::USUAL);
+            let RotorChange::Slipped { angle_rad, .. } = change else { panic!("{degrees}: {change:?}") };
+            assert!((angle_rad.to_degrees() - expected).abs() < 0.01, "{degrees}: {angle_rad}");
+        }
+    }
+
+    #[test]
+    fn only_lines_of_the_same_order_are_compared_and_only_a_grown_first_order_is_an_unbalance() {
+        let before = [line(1, 0.2, 0.4), line(6, 0.06, 1.0), line(12, 0.12, 3.0)];
+        let with = |place: usize, line: RotorLine| {
+            let mut now = before;
+            now[place] = line;
+            RotorChange::between(&before, &now, &RotorLimits::USUAL)
+        };
+        assert_eq!(with(0, line(2, 0.9, 0.4)), RotorChange::Unchanged, "of another order");
+        assert_eq!(with(0, line(1, 0.1, 0.4)), RotorChange::Other { order: 1 }, "less than before");
+        assert!(matches!(with(0, line(1, 0.4, 0.4)), RotorChange::Unbalance { .. }));
+        let both = [line(1, 0.4, 0.4), line(6, 0.16, 1.0), line(12, 0.12, 3.0)];
+        let change = RotorChange::between(&before, &both, &RotorLimits::USUAL);
+        assert!(matches!(change, RotorChange::Other { .. }), "{change:?}");
+    }
 }
