@@ -6,7 +6,8 @@ use bearing_watch::shaft::RotorChange;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use crate::command_line::{jobs, options::Taken, output};
+use crate::command_line::options::Taken;
+use crate::command_line::{jobs, output};
 use crate::recordings::reading::{self, balanced};
 use model::Error;
 use model::cogging::{Line, Lines, LinesSettings, Recording, Residual, Wave, fit, map, odrive, residuals, since, told};

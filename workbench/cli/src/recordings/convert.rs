@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::command_line::{jobs::Convert, options::Taken, output};
+use crate::command_line::jobs::Convert;
+use crate::command_line::options::Taken;
+use crate::command_line::output;
 use model::Error;
 use model::outputs::{Staged, folder_of};
 use model::trace::trace_name;
