@@ -9,10 +9,10 @@ use model::trace::Trace;
 use model::train::train;
 use rig::noise::{NoiseSource, Stream};
 use rig::{Condition, Defect, DefectKind, RigTrace, Scenario};
-use studies::by_default;
 use studies::campaign::run::labelled;
 use studies::campaign::{Cell, Purpose, Recording, map_traces};
 use studies::field::limits::{amplitude_a, stated};
+use studies::recipes::{default_recipe, default_settings};
 
 /// A number far from those of the documents, so that these are other records.
 const REPETITION: u32 = 710;
@@ -31,7 +31,7 @@ fn healthy(condition: &str, count: u32) -> Vec<Recording> {
 fn trained(condition: &str, load: bool) -> Embedded {
     let set: Vec<_> = records(condition, Purpose::Training, Defect::HEALTHY, 100);
     let set: Vec<_> = set.into_iter().map(|own| labelled(own, 0)).collect();
-    let recipe = by_default::recipe(&by_default::settings(load, 0.01), &["healthy".into()]).expect("a recipe");
+    let recipe = default_recipe(&default_settings(load, 0.01), &["healthy".into()]).expect("a recipe");
     train(&set, &["healthy".into()], &recipe).and_then(|trained| trained.embed()).expect("trains")
 }
 

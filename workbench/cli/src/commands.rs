@@ -11,10 +11,8 @@ use crate::recordings::{audit, convert, init, simulate};
 use crate::training::{confirm, evaluate, fleet, train};
 use crate::{schema, view};
 
-use crate::command_line::{
-    help,
-    options::{Job, Taken},
-};
+use crate::command_line::help;
+use crate::command_line::options::{Job, Taken};
 use model::Error;
 use model::settings::DriveFile;
 

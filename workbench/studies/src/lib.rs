@@ -15,7 +15,6 @@
 //! | [`tables`] | the source's tables |
 //! | [`pages`] | pages of the results |
 
-pub mod by_default;
 pub mod campaign;
 pub mod demo;
 pub mod ema;

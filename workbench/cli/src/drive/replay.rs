@@ -6,7 +6,9 @@ use bearing_watch::FrictionTerm;
 use bearing_watch::alarm::{Contribution, Interval};
 use serde_json::{Value, json};
 
-use crate::command_line::{jobs::Replay, options::Taken, output};
+use crate::command_line::jobs::Replay;
+use crate::command_line::options::Taken;
+use crate::command_line::output;
 use crate::drive::life::Life;
 use model::Error;
 use model::core::{Embedded, Finding, SegmentReport, Watched, denied, features, sight, stuck_channels};

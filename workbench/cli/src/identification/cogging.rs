@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use crate::command_line::{jobs, options::Taken, output};
+use crate::command_line::options::Taken;
+use crate::command_line::{jobs, output};
 use crate::recordings::reading::{self, balanced};
 use model::Error;
 use model::cogging::{

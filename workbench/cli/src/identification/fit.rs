@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::command_line::{jobs::Fit, options::Taken, output};
+use crate::command_line::jobs::Fit;
+use crate::command_line::options::Taken;
+use crate::command_line::output;
 use crate::recordings::reading::read_with_gaps;
 use model::Error;
 use model::identify::{Estimate, Method, Options, Structure, estimate_with, robust};

@@ -6,11 +6,9 @@ use clap::Subcommand;
 use rayon::prelude::*;
 use serde_json::json;
 
-use crate::command_line::{
-    jobs::{Balanced, Recordings},
-    options::Taken,
-    output,
-};
+use crate::command_line::jobs::{Balanced, Recordings};
+use crate::command_line::options::Taken;
+use crate::command_line::output;
 use crate::identification::cogging;
 use crate::recordings::reading::{balanced, complete};
 use model::Error;

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use crate::command_line::{jobs::Structures, options::Taken, output};
+use crate::command_line::jobs::Structures;
+use crate::command_line::options::Taken;
+use crate::command_line::output;
 use crate::recordings::reading;
 use model::Error;
 use model::identify::{Structure, Terms, parse_order};

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::command_line::{jobs, options::Taken, output};
+use crate::command_line::options::Taken;
+use crate::command_line::{jobs, output};
 use model::Error;
 use pages::Page;
 use pages::audit::{LineLevels, Recording, Spectrum, page};

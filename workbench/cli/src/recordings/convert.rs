@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::command_line::{jobs::Convert, options::Taken, output};
+use crate::command_line::jobs::Convert;
+use crate::command_line::options::Taken;
+use crate::command_line::output;
 use model::Error;
 use model::outputs::{Staged, folder_of};
 use model::trace::trace_name;
@@ -16,7 +18,7 @@ use traces::{Candidate, Listing};
 /// The name of the time in files that are written.
 const TIME: &str = "t_s";
 
-/// Write traces in another format, with other columns and units, or at a constant rate
+/// Write traces in another format, with other columns, units or rate
 ///
 /// With --to-hz traces are resampled behind an anti-alias filter; a gap is reported, and the trace is split there.
 #[derive(Debug, clap::Args)]

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::command_line::{jobs::Init, options::Taken, output};
+use crate::command_line::jobs::Init;
+use crate::command_line::options::Taken;
+use crate::command_line::output;
 use model::Error;
 use traces::describe::{Asked, describe};
 

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::command_line::{options::Own, output};
+use crate::command_line::options::Own;
+use crate::command_line::output;
 use model::Error;
 use rig::DefectKind;
 use studies::simulation::{Set, Simulation, Table};

@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use bearing_watch::Counts;
 
-use crate::command_line::{
-    jobs::Evaluate,
-    options::{Own, Taken},
-    output,
-};
+use crate::command_line::jobs::Evaluate;
+use crate::command_line::options::{Own, Taken};
+use crate::command_line::output;
 use model::Error;
 use model::core::{Embedded, stuck_channels};
 use model::evaluate::TraceVerdict;

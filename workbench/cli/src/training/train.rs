@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use crate::command_line::{
-    jobs::Train,
-    options::{Own, Taken},
-    output,
-};
+use crate::command_line::jobs::Train;
+use crate::command_line::options::{Own, Taken};
+use crate::command_line::output;
 use model::Error;
 use model::outputs::Exports;
 use model::session::{Found, Session, Training, lines, to_json};

@@ -4,7 +4,7 @@ use bearing_watch::Park;
 use bearing_watch::plan::Kind;
 
 use super::sets::class_names;
-use crate::{by_default, recipes};
+use crate::recipes;
 use model::Error;
 use model::identify::Structure;
 use model::trace::Channels;
@@ -48,5 +48,5 @@ pub fn recipe() -> Recipe {
 /// # Errors
 /// None that is known: the settings go together.
 pub fn by_default() -> Result<Recipe, Error> {
-    by_default::recipe(&by_default::settings(true, FALSE_ALARM), &class_names())
+    recipes::default_recipe(&recipes::default_settings(true, FALSE_ALARM), &class_names())
 }

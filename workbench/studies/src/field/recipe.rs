@@ -2,7 +2,7 @@
 //! in [`Settings::features`](super::Settings::features).
 
 use super::rows::Row;
-use crate::{by_default, recipes};
+use crate::recipes;
 use model::Error;
 use model::identify::Structure;
 use model::train::{Alarms, Recipe, ShaftPlan};
@@ -98,11 +98,11 @@ fn of_row(row: &Row, features: &[String], usual: &[&str]) -> Recipe {
 /// # Errors
 /// Settings that do not go together.
 pub fn by_default(row: &Row, classes: &[String]) -> Result<Recipe, Error> {
-    let mut settings = by_default::settings(has_load_sensor(&row.trained), FALSE_ALARM);
+    let mut settings = recipes::default_settings(has_load_sensor(&row.trained), FALSE_ALARM);
     if row.known {
         settings.model.covariates = vec![TEMPERATURE.into()];
     }
-    by_default::recipe(&settings, classes)
+    recipes::default_recipe(&settings, classes)
 }
 
 /// Returns whether the drives of a condition measure the load.

@@ -9,23 +9,20 @@
 //! Each repetition draws a training and a validation set; no two sets share a trace. Standard deviations are those of
 //! one repetition, not of the mean, because the source made a single draw.
 
-mod chapter3;
-mod chapter4;
-pub mod chapter5;
+mod chapters;
 mod chosen;
-mod distributions;
 pub mod draw;
 pub mod ours;
 mod overview;
-mod pieces;
 pub mod published;
 pub mod recorded;
 pub mod render;
 pub mod result;
-mod separation;
 mod settings;
 pub mod words;
 
+pub use chapters::chapter5;
+use chapters::{chapter3, chapter4, distributions, pieces};
 use draw::Draw;
 use model::Error;
 pub use result::{Cell, Statistic, Table};

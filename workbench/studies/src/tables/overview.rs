@@ -1,7 +1,7 @@
 //! The misclassification rates of all tables in one table.
 
-use super::chapter4::LITERAL;
-use super::chapter5;
+use super::chapters::chapter4::LITERAL;
+use super::chapters::chapter5;
 use super::ours;
 use super::result::{Cell, Column, Digits, Row, Table};
 

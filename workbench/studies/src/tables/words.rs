@@ -1,9 +1,9 @@
 //! The note to each table, computed from its figures.
 
-use super::chapter3::LEAST_FIT;
-use super::chapter4::LITERAL;
-use super::chapter5;
-use super::chapter5::published::CHAPTER_5;
+use super::chapters::chapter3::LEAST_FIT;
+use super::chapters::chapter4::LITERAL;
+use super::chapters::chapter5;
+use super::chapters::chapter5::published::CHAPTER_5;
 use super::published::{CHAPTER_4, ERROR_WITH_PCA, ERROR_WITHOUT_PCA};
 use super::result::{Cell, Digits, Statistic};
 use super::{Settings, Table, ours};

@@ -8,12 +8,9 @@ use serde_json::{Value, json};
 
 use super::course::{CourseCounts, Segment};
 use super::log::Counts;
-
-use crate::drive::{
-    can_id::CanId,
-    listen::names::Names,
-    listen::{alarm, report_text},
-};
+use crate::drive::can_id::CanId;
+use crate::drive::listen::names::Names;
+use crate::drive::listen::{alarm, report_text};
 use model::core::coordinates::Side;
 use pages::conclusion::risen::{Others, sentence};
 

@@ -4,12 +4,12 @@ use bearing_watch::plan::Kind;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::draw::{Draw, Model, choose};
-use super::ours;
-use super::recorded::{Recorded, Selection};
-use super::result::{Cell, Column, Digits, Row, Table};
 use crate::demo::FirstInput;
 use crate::literal::{Judged, Rule};
+use crate::tables::draw::{Draw, Model, choose};
+use crate::tables::ours;
+use crate::tables::recorded::{Recorded, Selection};
+use crate::tables::result::{Cell, Column, Digits, Row, Table};
 use model::Error;
 use model::identify::{Method, iv4};
 use model::piecewise::{Cutting, Pieces, STRUCTURE, estimate};
@@ -34,7 +34,7 @@ const COLUMNS: [(&str, Digits); 7] = [
 ///
 /// # Errors
 /// Returns an error if a class has too few traces with runs, or if features are singular.
-pub(super) fn measure(draw: &Draw) -> Result<Table, Error> {
+pub(in crate::tables) fn measure(draw: &Draw) -> Result<Table, Error> {
     let cutting = |threshold, min_samples, cutoff_ratio| Cutting { threshold, min_samples, cutoff_ratio };
     let mut rows = Vec::new();
     let source = Cut::new(draw, Cutting::default());

@@ -3,15 +3,16 @@
 use bearing_watch::plan::Kind;
 use nalgebra::SymmetricEigen;
 
-use super::draw::{Draw, Model, choose};
-use super::published::{
-    ERROR_WITH_PCA, ERROR_WITHOUT_PCA, ORDER_WITH_PCA, ORDER_WITHOUT_PCA, TABLE_3_1, written_order,
-};
-use super::recorded::{Recorded, Selection};
-use super::result::{Cell, Column, Digits, Figure, Row, Spread, Table};
-use super::{ours, separation};
+use super::separation;
 use crate::demo::FirstInput;
 use crate::literal::{Rule, principal};
+use crate::tables::draw::{Draw, Model, choose};
+use crate::tables::ours;
+use crate::tables::published::{
+    ERROR_WITH_PCA, ERROR_WITHOUT_PCA, ORDER_WITH_PCA, ORDER_WITHOUT_PCA, TABLE_3_1, written_order,
+};
+use crate::tables::recorded::{Recorded, Selection};
+use crate::tables::result::{Cell, Column, Digits, Figure, Row, Spread, Table};
 use model::Error;
 use model::identify::{Method, Structure};
 use model::structure::{Candidate, Estimator, Grid, Search, search};
@@ -37,13 +38,13 @@ const COMPONENT_COLUMNS: [(&str, Digits); 6] = [
 ];
 
 /// Smallest fit that the source accepts (§3.3), %.
-pub(super) const LEAST_FIT: f64 = 85.0;
+pub(in crate::tables) const LEAST_FIT: f64 = 85.0;
 
 /// Computes Table 3.1 of one repetition.
 ///
 /// # Errors
 /// Returns an error if a trace cannot be estimated.
-pub(super) fn components(draw: &Draw) -> Result<Table, Error> {
+pub(in crate::tables) fn components(draw: &Draw) -> Result<Table, Error> {
     let mut rows = Vec::new();
     let mut figures = Vec::new();
     for (suffix, method, least_fit) in [
@@ -171,7 +172,7 @@ impl Case {
 ///
 /// # Errors
 /// Returns an error if a trace cannot be estimated or features are singular.
-pub(super) fn misclassified(draw: &Draw) -> Result<Table, Error> {
+pub(in crate::tables) fn misclassified(draw: &Draw) -> Result<Table, Error> {
     const TWO: &[&str] = &["a1", "a2"];
     let (low, high) = (ORDER_WITHOUT_PCA, ORDER_WITH_PCA);
     let cases = [
@@ -204,7 +205,7 @@ pub(super) fn misclassified(draw: &Draw) -> Result<Table, Error> {
 ///
 /// # Errors
 /// Returns an error if the search fails.
-pub(super) fn orders(draw: &Draw) -> Result<Table, Error> {
+pub(in crate::tables) fn orders(draw: &Draw) -> Result<Table, Error> {
     let max = Structure::new(3, 6, 3, 2, 2);
     let structures = Grid::up_to(max, false).structures()?;
     let first = |set: &[Recorded]| set.iter().take(1).map(|r| r.labelled(INPUT).trace).collect::<Vec<_>>();

@@ -2,16 +2,16 @@
 
 pub mod draw;
 pub mod ours;
-pub(super) mod park;
+pub(in crate::tables) mod park;
 pub mod published;
 
 use bearing_watch::plan::Kind;
 
 use super::chapter4::LITERAL;
-use super::chosen::Chosen;
-use super::published::written_order;
-use super::result::{Cell, Column, Digits, Row, Table};
 use crate::ema::source::{self, Estimated};
+use crate::tables::chosen::Chosen;
+use crate::tables::published::written_order;
+use crate::tables::result::{Cell, Column, Digits, Row, Table};
 use draw::Draw;
 use model::Error;
 use model::identify::Method;
@@ -19,14 +19,14 @@ use model::train::ProjectionKind;
 use published::Published;
 
 /// Headings of the columns, in order.
-pub(super) const COLUMNS: [&str; 5] =
+pub(in crate::tables) const COLUMNS: [&str; 5] =
     ["published", "misclassified", "published fit", "healthy fit", "worst healthy fit"];
 
 /// Computes the table of one repetition.
 ///
 /// # Errors
 /// Returns an error if a trace cannot be estimated or features are singular.
-pub(super) fn measure(published: &Published, draw: &Draw) -> Result<Table, Error> {
+pub(in crate::tables) fn measure(published: &Published, draw: &Draw) -> Result<Table, Error> {
     Ok(Table {
         id: published.number,
         title: title(published),

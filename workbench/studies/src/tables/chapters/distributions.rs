@@ -1,11 +1,11 @@
 //! Table 2.2 on the standard rig: distribution of the features in each class, and distance between the classes.
 
-use super::draw::{Draw, Estimated, Model, choose};
-use super::published::{CHAPTER_4, TABLE_2_2, written_order};
-use super::recorded::Selection;
-use super::result::{Cell, Column, Digits, Figure, Row, Spread, Table};
 use super::separation;
 use crate::demo::FirstInput;
+use crate::tables::draw::{Draw, Estimated, Model, choose};
+use crate::tables::published::{CHAPTER_4, TABLE_2_2, written_order};
+use crate::tables::recorded::Selection;
+use crate::tables::result::{Cell, Column, Digits, Figure, Row, Spread, Table};
 use model::Error;
 use model::identify::{Method, Structure};
 
@@ -23,7 +23,7 @@ const fn input_name(input: FirstInput) -> &'static str {
 ///
 /// # Errors
 /// Returns an error if a trace cannot be estimated.
-pub(super) fn first_order(draw: &Draw) -> Result<Table, Error> {
+pub(in crate::tables) fn first_order(draw: &Draw) -> Result<Table, Error> {
     let mut rows: Vec<Row> = TABLE_2_2.iter().map(published).collect();
     let mut figures = Vec::new();
     for input in [FirstInput::Reference, FirstInput::Error] {
@@ -66,7 +66,7 @@ pub(super) fn first_order(draw: &Draw) -> Result<Table, Error> {
     })
 }
 
-fn published(brake: &super::published::Brake) -> Row {
+fn published(brake: &crate::tables::published::Brake) -> Row {
     let cells = vec![
         Cell::Published(brake.a),
         Cell::Empty,
@@ -95,7 +95,7 @@ fn cells(traces: &[&Estimated]) -> Vec<Cell> {
 ///
 /// # Errors
 /// Returns an error if a trace cannot be estimated.
-pub(super) fn separations(draw: &Draw) -> Result<Table, Error> {
+pub(in crate::tables) fn separations(draw: &Draw) -> Result<Table, Error> {
     let mut rows = Vec::new();
     for simulation in &CHAPTER_4 {
         for method in [Method::Iv4, Method::Ls] {

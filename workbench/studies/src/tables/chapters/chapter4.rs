@@ -2,24 +2,24 @@
 
 use bearing_watch::plan::Kind;
 
-use super::chosen::Chosen;
-use super::draw::{Draw, Model, choose};
-use super::ours;
-use super::published::{Simulation, written_order};
-use super::recorded::Selection;
-use super::result::{Cell, Column, Digits, Figure, Plane, PlaneClass, Row, Table};
 use crate::demo::FirstInput;
 use crate::literal::{Judged, Rule, principal};
+use crate::tables::chosen::Chosen;
+use crate::tables::draw::{Draw, Model, choose};
+use crate::tables::ours;
+use crate::tables::published::{Simulation, written_order};
+use crate::tables::recorded::Selection;
+use crate::tables::result::{Cell, Column, Digits, Figure, Plane, PlaneClass, Row, Table};
 use model::Error;
 use model::identify::Method;
 use model::train::{FeatureTable, ProjectionKind};
 
 /// Headings of the columns, in order.
-pub(super) const COLUMNS: [&str; 7] =
+pub(in crate::tables) const COLUMNS: [&str; 7] =
     ["published", "three classes", "healthy / spall", "healthy / roughness", "both pooled", "traces", "healthy fit"];
 
 /// The source's validation with PCA, on which its conclusions are based.
-pub(super) const LITERAL: &str = "validation, with PCA";
+pub(in crate::tables) const LITERAL: &str = "validation, with PCA";
 
 const SELECTION: Selection = Selection::CHAPTER_4;
 
@@ -27,7 +27,7 @@ const SELECTION: Selection = Selection::CHAPTER_4;
 ///
 /// # Errors
 /// Returns an error if a trace cannot be estimated or features are singular.
-pub(super) fn measure(published: &Simulation, draw: &Draw) -> Result<Table, Error> {
+pub(in crate::tables) fn measure(published: &Simulation, draw: &Draw) -> Result<Table, Error> {
     let model = |method| Model { input: published.input, order: published.order, method };
     let iv4 = Features::new(draw, model(Method::Iv4))?;
     let ls = Features::new(draw, model(Method::Ls))?;
