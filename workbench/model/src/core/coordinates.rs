@@ -87,16 +87,13 @@ pub fn in_words(coordinate: &str) -> String {
 /// Whether a feature is the strength of a bearing order.
 #[must_use]
 pub fn is_order(name: &str) -> bool {
-    name.starts_with("order_") || name.starts_with("amplitude_")
+    features::order(name).is_some()
 }
 
 /// What a feature tells on one of several scales: plain, as score or as logarithm; of an order as score or amplitude.
 #[must_use]
 pub fn quantity(name: &str) -> &str {
-    let mut scales = ["_score", "_log"].into_iter();
-    let plain = scales.find_map(|scale| name.strip_suffix(scale).filter(|own| features::FRICTION.contains(own)));
-    let order = ["order_", "amplitude_"].into_iter().find_map(|scale| name.strip_prefix(scale));
-    plain.or(order).unwrap_or(name)
+    features::friction(name).or_else(|| features::order(name)).unwrap_or(name)
 }
 
 /// Which way a coordinate has left what is usual.

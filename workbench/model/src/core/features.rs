@@ -51,15 +51,104 @@ pub const MEAN: &str = "mean_";
 /// Prefix of the root mean square of a channel.
 pub const RMS: &str = "rms_";
 
-/// The channel of a feature by its name, if it is an average of a channel.
-#[must_use]
-pub fn averaged(name: &str) -> Option<&str> {
-    name.strip_prefix(MEAN).or_else(|| name.strip_prefix(RMS))
-}
-
 /// Names of the parameters of the torque balance, in the core's order; each is in amperes per unit of its signal.
 pub const FRICTION: [&str; 8] =
     ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "load_friction", "stribeck", "drag"];
+
+/// The terms of a group of friction: the offset depends on the sensors, not on the bearing.
+const GROUPED: usize = 4;
+
+/// What features of a kind are named after.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Of {
+    /// The terms of the torque balance.
+    Term,
+    /// The torque balance as a whole.
+    Balance,
+    /// The tracked orders.
+    Order,
+    /// The averaged channels.
+    Channel,
+}
+
+/// Features that are named alike: a kind of features is a row of [`KINDS`].
+struct Kind {
+    of: Of,
+    /// What is before the name and behind it.
+    around: [&'static str; 2],
+    /// The word that chooses all of them.
+    group: Option<&'static str>,
+    /// The core's feature of a term, order or channel.
+    feature: fn(u8) -> Feature,
+}
+
+fn term(place: u8) -> FrictionTerm {
+    FrictionTerm::ALL[usize::from(place)]
+}
+
+/// The features after those of the regression, in their order.
+const KINDS: [Kind; 8] = [
+    Kind { of: Of::Term, around: ["", ""], group: Some("friction"), feature: |k| Feature::Friction(term(k)) },
+    Kind {
+        of: Of::Term,
+        around: ["", "_score"],
+        group: Some("friction_scores"),
+        feature: |k| Feature::FrictionScore(term(k)),
+    },
+    Kind {
+        of: Of::Term,
+        around: ["", "_log"],
+        group: Some("friction_logs"),
+        feature: |k| Feature::LogFriction(term(k)),
+    },
+    Kind {
+        of: Of::Balance,
+        around: ["balance", "_log_variance"],
+        group: None,
+        feature: |_| Feature::LogFrictionVariance,
+    },
+    Kind { of: Of::Order, around: ["order_", ""], group: Some("orders"), feature: Feature::OrderScore },
+    Kind { of: Of::Order, around: ["amplitude_", ""], group: None, feature: Feature::LogOrderAmplitude },
+    Kind { of: Of::Channel, around: [MEAN, ""], group: None, feature: Feature::ChannelMean },
+    Kind { of: Of::Channel, around: [RMS, ""], group: None, feature: Feature::ChannelRms },
+];
+
+impl Kind {
+    /// The name that a feature of this kind is named after.
+    fn named_after<'n>(&self, name: &'n str) -> Option<&'n str> {
+        let [before, behind] = self.around;
+        let own = name.strip_prefix(before)?.strip_suffix(behind)?;
+        (self.of != Of::Term || FRICTION.contains(&own)).then_some(own)
+    }
+
+    /// Whether a word chooses this feature.
+    fn is_chosen(&self, word: &str, name: &str) -> bool {
+        let grouped = |own: &str| self.of != Of::Term || FRICTION[..GROUPED].contains(&own);
+        self.group == Some(word) && self.named_after(name).is_some_and(grouped)
+    }
+}
+
+fn kinds(of: Of) -> impl Iterator<Item = &'static Kind> {
+    KINDS.iter().filter(move |kind| kind.of == of)
+}
+
+/// The channel of a feature by its name, if it is an average of a channel.
+#[must_use]
+pub fn averaged(name: &str) -> Option<&str> {
+    kinds(Of::Channel).find_map(|kind| kind.named_after(name))
+}
+
+/// The order of a feature by its name, if it is the strength of a bearing order.
+#[must_use]
+pub fn order(name: &str) -> Option<&str> {
+    kinds(Of::Order).find_map(|kind| kind.named_after(name))
+}
+
+/// The term of the torque balance of a feature by its name, on whatever scale.
+#[must_use]
+pub fn friction(name: &str) -> Option<&str> {
+    kinds(Of::Term).find_map(|kind| kind.named_after(name))
+}
 
 /// All features of the shaft, in the order of [`Catalogue::shaft`]; those of a part without a result are missing.
 /// Without a measured load the torque constant is not estimated, and its features are constant.
@@ -98,25 +187,29 @@ impl Catalogue {
     /// Names and core features of the shaft.
     #[must_use]
     pub fn shaft(&self) -> Vec<(String, Feature)> {
-        let Some(orders) = &self.orders else { return vec![] };
-        let terms = || FRICTION.iter().zip(FrictionTerm::ALL);
-        let mut all: Vec<(String, Feature)> = Vec::new();
-        all.extend(terms().map(|(name, term)| ((*name).to_string(), Feature::Friction(term))));
-        all.extend(terms().map(|(name, term)| (format!("{name}_score"), Feature::FrictionScore(term))));
-        all.extend(terms().map(|(name, term)| (format!("{name}_log"), Feature::LogFriction(term))));
-        all.push(("balance_log_variance".into(), Feature::LogFrictionVariance));
-        let places = || orders.iter().zip(0_u8..);
-        all.extend(places().map(|(name, k)| (format!("order_{name}"), Feature::OrderScore(k))));
-        all.extend(places().map(|(name, k)| (format!("amplitude_{name}"), Feature::LogOrderAmplitude(k))));
-        all
+        if self.orders.is_none() { vec![] } else { self.of_kinds(|of| of != Of::Channel) }
+    }
+
+    /// Names and core features of the kinds of these.
+    fn of_kinds(&self, is_wanted: impl Fn(Of) -> bool) -> Vec<(String, Feature)> {
+        let numbered = |names: &[&str]| names.iter().map(ToString::to_string).zip(0..).collect();
+        let each = |Kind { of, around: [before, behind], feature, .. }: &Kind| -> Vec<(String, Feature)> {
+            let names: Vec<(String, u8)> = match of {
+                Of::Term => numbered(&FRICTION),
+                Of::Balance => numbered(&[""]),
+                Of::Order => self.orders.iter().flatten().cloned().zip(0..).collect(),
+                Of::Channel => self.averaged.clone(),
+            };
+            names.into_iter().map(|(name, place)| (format!("{before}{name}{behind}"), feature(place))).collect()
+        };
+        KINDS.iter().filter(|kind| is_wanted(kind.of)).flat_map(each).collect()
     }
 
     /// Names and core features after those of the regression: the shaft's, then the averages of channels.
     #[must_use]
     pub fn further(&self) -> Vec<(String, Feature)> {
         let mut all = self.shaft();
-        all.extend(self.averaged.iter().map(|(name, place)| (format!("{MEAN}{name}"), Feature::ChannelMean(*place))));
-        all.extend(self.averaged.iter().map(|(name, place)| (format!("{RMS}{name}"), Feature::ChannelRms(*place))));
+        all.extend(self.of_kinds(|of| of == Of::Channel));
         all
     }
 
@@ -208,12 +301,7 @@ fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Resu
             full == name
                 || match name.as_str() {
                     "a" | "b" | "c" => full[1..].parse::<u8>().is_ok() && full.starts_with(name.as_str()),
-                    // The offset depends on the sensors, not on the bearing.
-                    "friction" => FRICTION[..4].contains(&full.as_str()),
-                    "friction_logs" => FRICTION[..4].iter().any(|own| full.strip_suffix("_log") == Some(own)),
-                    "friction_scores" => FRICTION[..4].iter().any(|own| full.strip_suffix("_score") == Some(own)),
-                    "orders" => full.starts_with("order_"),
-                    _ => false,
+                    word => KINDS.iter().any(|kind| kind.is_chosen(word, full)),
                 }
         };
         let places: Vec<usize> = (0..names.len()).filter(|&k| of_group(&names[k])).collect();

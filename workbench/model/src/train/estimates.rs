@@ -283,7 +283,7 @@ fn groups(names: &[String], traces: usize) -> Result<Vec<usize>, Error> {
 /// curves, and by its logarithm, since it differs by a factor with the temperature; all others together.
 fn sets(names: &[String], chosen: &[usize]) -> Vec<Vec<usize>> {
     let (friction, others): (Vec<usize>, Vec<usize>) = chosen.iter().partition(|&&place| {
-        features::FRICTION.iter().any(|term| names[place] == *term || names[place] == format!("{term}_log"))
+        features::friction(&names[place]).is_some_and(|term| names[place] != format!("{term}_score"))
     });
     let logarithm = |place: usize| {
         let log = format!("{}_log", names[place]);

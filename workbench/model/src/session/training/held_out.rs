@@ -1,6 +1,6 @@
 //! How good a trained model is, on traces that it was not trained on.
 
-use super::training::Training;
+use super::result::Training;
 use crate::Error;
 use crate::evaluate::{Confusion, FalseAlarms, Judged, TraceVerdict};
 use crate::session::judging::judge;

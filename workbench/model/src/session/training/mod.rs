@@ -6,12 +6,12 @@ pub(crate) mod evidence;
 mod held_out;
 mod precision;
 mod report;
+pub(crate) mod result;
 mod saved;
 mod temperatures;
-pub(crate) mod training;
 mod training_session;
 
 pub use held_out::{Found, HeldOut};
 pub use report::{lines, to_json};
-pub use training::{Training, read_by, rust_source};
+pub use result::{Training, read_by, rust_source};
 pub use training_session::Session;

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::description::{self, method_word};
 use super::evidence;
 use super::held_out::{Found, HeldOut};
-use super::training::Training;
+use super::result::Training;
 use crate::evaluate::Rate;
 use crate::train::{Automatic, Choice, Explained, Forward, Ranking, Scores};
 

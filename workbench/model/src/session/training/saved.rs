@@ -1,6 +1,6 @@
 //! What a training has chosen, as settings: a training by these gives the same model.
 
-use super::training::Training;
+use super::result::Training;
 use crate::session::selection::INDEPENDENT;
 use crate::settings::{Geometry, Order, Settings, VelocityFrom};
 use crate::train::{Dependence, Recipe, ShaftPlan, Shrink, VelocitySource};

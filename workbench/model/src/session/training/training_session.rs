@@ -6,8 +6,8 @@ use bearing_watch::model::MAX_BLOCK_MEAN;
 
 use super::evidence::Orders;
 use super::held_out::{Found, Held, evaluate};
+use super::result::{Training, read_by};
 use super::temperatures::{Temperatures, Traces, covariates};
-use super::training::{Training, read_by};
 use super::{chosen, description, precision};
 use crate::Error;
 use crate::session::doubts::{codes, contradictory, irregular, refuse_held, refuse_scale, refused};
