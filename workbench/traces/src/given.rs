@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::labels::read_labels;
+use crate::listing::labels::read_labels;
 use crate::listing::{LEFT_OUT, told_unlabelled, unlabelled};
 use crate::table::Table;
 use crate::{Candidate, Listing, Source};
