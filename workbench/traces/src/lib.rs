@@ -113,8 +113,8 @@ impl Source {
             Self::Files(paths) | Self::Labelled(paths, _) => read_files((paths, self.names()), channels, Some(wanted)),
             Self::Memory(tables) => {
                 let mut gathered = Gathered::default();
-                for table in tables {
-                    gathered.add(&Table::of(table), channels, wanted)?;
+                for table in tables.iter().map(Table::of) {
+                    gathered.add(read_table(&table, channels, wanted)?, table.path())?;
                 }
                 gathered.complete(channels, tables.len(), &[format!("{} tables", tables.len())])
             }
@@ -175,11 +175,7 @@ impl Origins {
 }
 
 impl Gathered {
-    fn add(&mut self, table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<(), Error> {
-        self.add_all(read_table(table, channels, wanted)?, table.path())
-    }
-
-    fn add_all(&mut self, traces: Vec<Trace>, file: &Path) -> Result<(), Error> {
+    fn add(&mut self, traces: Vec<Trace>, file: &Path) -> Result<(), Error> {
         for trace in traces {
             self.origins.add(&trace.id, file)?;
             self.traces.push(trace);
@@ -217,7 +213,7 @@ fn read_files(
     for (candidate, traces) in candidates.iter().zip(read) {
         match traces? {
             Some(traces) => {
-                gathered.add_all(traces, &candidate.file)?;
+                gathered.add(traces, &candidate.file)?;
                 files += 1;
             }
             None => lacking.push(&candidate.file),

@@ -13,7 +13,6 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::reader::row_times::rows_of;
 use crate::signal::{Elapsed, Signal, values_of};
 use model::Error;
 use model::trace::{Channels, Gap, Missing, MotionTrace, Trace, gaps, median, same_interval};
@@ -85,6 +84,11 @@ impl Rows {
         self.times_s = self.times_s.map(|times| placed(&times, &kept));
         self
     }
+}
+
+/// Number of rows, also where signals need no column.
+pub(crate) fn rows_of(columns: &BTreeMap<usize, Vec<f64>>, times: Option<&[f64]>) -> usize {
+    columns.values().next().map(Vec::len).or(times.map(<[f64]>::len)).unwrap_or(0)
 }
 
 /// The steps over which nothing is missing, and the number of others, breaks left out, that are off a multiple of the

@@ -10,9 +10,9 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 pub use crate::reader::assemble::NO_TIME;
-use crate::reader::assemble::{INTEGRAL, Rows as Given, assemble, elapsed};
+use crate::reader::assemble::{INTEGRAL, Rows as Given, assemble, elapsed, rows_of};
 use crate::reader::header::{Header, header_of, is_wanted};
-use crate::reader::row_times::{RowTimes, rows_of};
+use crate::reader::row_times::RowTimes;
 use crate::signal::{Signal, places_of, values_of};
 use crate::table::{Columns, Omitted, Table, Wanted};
 use crate::time::names::usual;
@@ -158,6 +158,22 @@ pub fn has_time(table: &Table, time: Option<&str>) -> bool {
 pub(crate) fn names_of_rows(table: &Table) -> Option<Vec<String>> {
     let place = table.names().iter().position(|name| name == "trace")?;
     table.read(Wanted { numbers: &[], text: Some(place), row: &|_| true }).ok()?.texts
+}
+
+/// The names of the columns of numbers of a file with this content, its first trace, and what is said of it.
+#[cfg(test)]
+pub(crate) fn of_content(
+    name: &str,
+    content: &str,
+    rate_hz: Option<f64>,
+) -> Result<(Vec<String>, Series, Vec<String>), Error> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, content).expect("writable");
+    let table = Table::open(&path)?;
+    let (names, _) = numeric(&table, None)?;
+    let first = series(&table, (None, rate_hz), &names)?.remove(0);
+    Ok((names, first, table.about().told().collect()))
 }
 
 /// The columns of one trace.

@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::reader::assemble::rows_of;
 use crate::reader::header::Header;
 use crate::table::{Columns, Table};
 use crate::time;
@@ -22,11 +23,6 @@ pub(super) struct RowTimes<'a> {
     pub(super) asked: Option<&'a str>,
     /// The rate that was given.
     pub(super) rate_hz: Option<f64>,
-}
-
-/// Number of rows, also where signals need no column.
-pub(super) fn rows_of(columns: &BTreeMap<usize, Vec<f64>>, times: Option<&[f64]>) -> usize {
-    columns.values().next().map(Vec::len).or(times.map(<[f64]>::len)).unwrap_or(0)
 }
 
 impl RowTimes<'_> {

@@ -167,34 +167,6 @@ fn every_format_has_missing_samples() {
     }
 }
 
-#[cfg(feature = "parquet")]
-#[test]
-fn nulls_of_columns_of_any_type_are_missing() {
-    use arrow_array::{ArrayRef, Float32Array, Float64Array, Int16Array, RecordBatch};
-    let whole: Vec<Option<i16>> = (0..40).map(|k| (k != 3).then_some(k)).collect();
-    let double: Vec<Option<f64>> = (0..40).map(|k| (k != 4).then(|| f64::from(k))).collect();
-    let single: Vec<Option<f32>> = (0..40_u8).map(|k| (k != 5).then(|| f32::from(k))).collect();
-    let arrays: [ArrayRef; 3] =
-        [Arc::new(Int16Array::from(whole)), Arc::new(Float64Array::from(double)), Arc::new(Float32Array::from(single))];
-    let names = ["i", "v", "load"];
-    let batch = RecordBatch::try_from_iter_with_nullable(names.into_iter().zip(arrays).map(|(n, a)| (n, a, true)));
-    let batch = batch.expect("a batch");
-    let folder = tempfile::tempdir().expect("a folder");
-    let paths = ["t.parquet", "t.arrow"].map(|name| folder.path().join(name));
-    let file = |path: &Path| std::fs::File::create(path).expect("writable");
-    let mut writer = parquet::arrow::ArrowWriter::try_new(file(&paths[0]), batch.schema(), None).expect("a writer");
-    writer.write(&batch).expect("written");
-    writer.close().expect("closed");
-    let mut writer = arrow_ipc::writer::FileWriter::try_new(file(&paths[1]), &batch.schema()).expect("a writer");
-    writer.write(&batch).expect("written");
-    writer.finish().expect("closed");
-    for path in &paths {
-        let found = read(std::slice::from_ref(path), &Channels::new("i", "v", "load")).expect("a trace").remove(0);
-        let missing = |column: &[f64]| (0..40).filter(|row| column[*row].is_nan()).collect::<Vec<_>>();
-        assert_eq!([missing(&found.y), missing(&found.u1), missing(&found.u2)], [[3], [4], [5]], "{}", path.display());
-    }
-}
-
 #[test]
 fn every_word_for_a_missing_value_is_a_missing_sample() {
     let folder = tempfile::tempdir().expect("a folder");

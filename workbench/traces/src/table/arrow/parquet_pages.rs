@@ -195,58 +195,72 @@ mod tests {
     use super::*;
     use crate::table::{Table, Wanted, write};
 
-    /// Without the check the reader asks for as many texts as the list claims, for minutes.
-    #[test]
-    fn a_file_with_a_list_in_the_header_of_a_page_is_refused() {
+    /// What is said of a file of this column in whose first pages bytes are others.
+    fn refused(column: Vec<f64>, change: impl FnOnce(&mut Vec<u8>)) -> String {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("t.parquet");
-        write(&path, &["a".into(), "b".into()], &[vec![1.0, 2.0], vec![0.5, -1.5]]).expect("written");
+        write(&path, &["a".into()], &[column]).expect("written");
         let mut bytes = std::fs::read(&path).expect("read");
-        // The first page starts behind the mark of the format: the type becomes a list of 2³⁰ texts.
-        assert_eq!(bytes[4], 0x15);
-        bytes[4..11].copy_from_slice(&[0x19, 0xf8, 0x80, 0x80, 0x80, 0x80, 4]);
+        change(&mut bytes);
         std::fs::write(&path, bytes).expect("writable");
         let table = Table::open(&path).expect("the names of its columns are in its footer");
-        let wanted = || Wanted { numbers: &[0], text: None, row: &|_| true };
-        let refused = table.read(wanted()).expect_err("a list").to_string();
-        assert!(refused.contains("column a: the header of a page has a list"), "{refused}");
+        table.read(Wanted { numbers: &[0], text: None, row: &|_| true }).expect_err("forged").to_string()
     }
 
-    fn read(bytes: &[u8]) -> (Result<Page, Wrong>, u64) {
-        let mut header = Header { reader: bytes, left: bytes.len() as u64, page: Page::default() };
-        (header.fields(DEEPEST, None).map(|()| header.page), header.left)
-    }
-
+    /// Without the checks the reader asks for as many texts as a list claims, for minutes, or reserves as many values as
+    /// a dictionary claims.
     #[test]
-    fn the_size_of_a_page_is_that_of_its_header() {
-        // Type 0, 300 and 200 bytes, statistics with a text and a boolean in the structure of field 5; one byte behind.
-        let header = [0x15, 0, 0x15, 0xd8, 4, 0x15, 0x90, 3, 0x2c, 0x18, 2, b'a', b'b', 0x11, 0, 0, 9];
-        assert_eq!(read(&header), (Ok(Page { size: Some(200), bytes: 300, ..Page::default() }), 1));
-        // The identifier of a field in full, 3; its value −1.
-        assert_eq!(read(&[0x05, 6, 1, 0]), (Ok(Page::default()), 0));
+    fn lists_in_headers_and_dictionaries_of_more_values_than_bytes_are_refused() {
+        let said = refused(vec![1.0, 2.0], |bytes| {
+            // The first page starts behind the mark of the format: the type becomes a list of 2³⁰ texts.
+            assert_eq!(bytes[4], 0x15);
+            bytes[4..11].copy_from_slice(&[0x19, 0xf8, 0x80, 0x80, 0x80, 0x80, 4]);
+        });
+        assert!(said.contains("column a: the header of a page has a list"), "{said}");
+        let said = refused((0..50).map(|k| f64::from(k % 2)).collect(), |bytes| {
+            // A dictionary's page of two values; its number of values becomes −1.
+            let place = bytes.windows(3).position(|own| own == [0x4c, 0x15, 4]).expect("a dictionary") + 2;
+            bytes[place] = 1;
+        });
+        assert!(said.contains("column a: a dictionary has more values than bytes"), "{said}");
     }
 
+    /// Headers, what they say, and how many bytes are left behind them.
     #[test]
-    fn a_dictionary_has_as_many_values_as_its_header_says() {
-        // 16 bytes; in the structure of field 7 three values, and a structure whose first field is none of its own.
-        let header = [0x25, 32, 0x15, 32, 0x4c, 0x15, 6, 0x1c, 0x15, 20, 0, 0, 0];
-        assert_eq!(read(&header), (Ok(Page { size: Some(16), bytes: 16, values: 3, rows: 0 }), 0));
-        assert_eq!(read(&[0x7c, 0x15, 1, 0, 0]).0, Ok(Page { values: u64::MAX, ..Page::default() }));
-    }
-
-    #[test]
-    fn a_dictionary_of_more_values_than_bytes_is_refused() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("t.parquet");
-        write(&path, &["a".into()], &[(0..50).map(|k| f64::from(k % 2)).collect()]).expect("written");
-        let mut bytes = std::fs::read(&path).expect("read");
-        // A dictionary's page of two values; its number of values becomes −1.
-        let place = bytes.windows(3).position(|own| own == [0x4c, 0x15, 4]).expect("a dictionary") + 2;
-        bytes[place] = 1;
-        std::fs::write(&path, bytes).expect("writable");
-        let table = Table::open(&path).expect("the names of its columns are in its footer");
-        let refused = table.read(Wanted { numbers: &[0], text: None, row: &|_| true }).expect_err("a dictionary");
-        assert!(refused.to_string().contains("column a: a dictionary has more values than bytes"), "{refused}");
+    fn headers_say_sizes_and_numbers_of_values() {
+        let read = |bytes: &[u8]| {
+            let mut header = Header { reader: bytes, left: bytes.len() as u64, page: Page::default() };
+            (header.fields(DEEPEST, None).map(|()| header.page), header.left)
+        };
+        let page = Page::default();
+        for (header, said, left) in [
+            // Type 0, 300 and 200 bytes, statistics with a text and a boolean in the structure of field 5.
+            (
+                &[0x15, 0, 0x15, 0xd8, 4, 0x15, 0x90, 3, 0x2c, 0x18, 2, b'a', b'b', 0x11, 0, 0, 9][..],
+                Page { size: Some(200), bytes: 300, ..page },
+                1,
+            ),
+            // The identifier of a field in full, 3; its value −1.
+            (&[0x05, 6, 1, 0], page, 0),
+            // 16 bytes; in the structure of field 7 three values, and a structure whose first field is none of its own.
+            (
+                &[0x25, 32, 0x15, 32, 0x4c, 0x15, 6, 0x1c, 0x15, 20, 0, 0, 0],
+                Page { size: Some(16), bytes: 16, values: 3, rows: 0 },
+                0,
+            ),
+            (&[0x7c, 0x15, 1, 0, 0], Page { values: u64::MAX, ..page }, 0),
+            (&[0x5c, 0x15, 20, 0, 0], Page { rows: 10, ..page }, 0),
+            (&[0x8c, 0x15, 1, 0, 0], Page { rows: u64::MAX, ..page }, 0),
+        ] {
+            assert_eq!(read(header), (Ok(said), left));
+        }
+        for kind in [9, 10, 11] {
+            assert_eq!(read(&[0x15, 0, 0x20 | kind, 0xff, 0xff, 0xff, 0xff, 7]).0, Err(Wrong::List));
+        }
+        let text_beyond_the_end = [0x18, 0xff, 0xff, 0xff, 0xff, 7, 0];
+        for malformed in [&text_beyond_the_end[..], &[0x1c; 100], &[0x16, 0xff, 0xff], &[0x1f], &[]] {
+            assert_eq!(read(malformed).0, Err(Wrong::Malformed));
+        }
     }
 
     /// A column of equal values takes a few bytes, however many they are.
@@ -268,25 +282,5 @@ mod tests {
         assert!(within(limit.clone(), (&file, length), metadata, |place| place == 0).is_ok());
         let refused = within(limit, (&file, length), metadata, |_| true).expect_err("16 megabytes").to_string();
         assert!(refused.contains("column b: it claims") && refused.contains("READ_LIMIT"), "{refused}");
-    }
-
-    /// The number of values that the header of a page claims.
-    #[test]
-    fn a_page_has_as_many_values_as_its_header_says() {
-        assert_eq!(read(&[0x5c, 0x15, 20, 0, 0]).0, Ok(Page { rows: 10, ..Page::default() }));
-        assert_eq!(read(&[0x8c, 0x15, 1, 0, 0]).0, Ok(Page { rows: u64::MAX, ..Page::default() }));
-    }
-
-    #[test]
-    fn lists_are_refused_and_what_is_malformed_ends() {
-        for kind in [9, 10, 11] {
-            assert_eq!(read(&[0x15, 0, 0x20 | kind, 0xff, 0xff, 0xff, 0xff, 7]).0, Err(Wrong::List));
-        }
-        let text_beyond_the_end = [0x18, 0xff, 0xff, 0xff, 0xff, 7, 0];
-        assert_eq!(read(&text_beyond_the_end).0, Err(Wrong::Malformed));
-        assert_eq!(read(&[0x1c; 100]).0, Err(Wrong::Malformed));
-        assert_eq!(read(&[0x16, 0xff, 0xff]).0, Err(Wrong::Malformed));
-        assert_eq!(read(&[0x1f]).0, Err(Wrong::Malformed));
-        assert_eq!(read(&[]).0, Err(Wrong::Malformed));
     }
 }

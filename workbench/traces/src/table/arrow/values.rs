@@ -287,6 +287,8 @@ mod tests {
         let columns: Vec<(&str, ArrayRef)> = vec![
             ("trace", Arc::new(words)),
             ("half", Arc::new(half)),
+            ("double", Arc::new(Float64Array::from(vec![Some(0.5), None, Some(2.0)]))),
+            ("whole", Arc::new(Int8Array::from(vec![Some(1), Some(-2), None]))),
             ("decimal", Arc::new(decimal.with_precision_and_scale(30, 2).expect("fits"))),
             ("wide", Arc::new(wide.with_precision_and_scale(60, 1).expect("fits"))),
             ("numbers", Arc::new(numbers)),
@@ -297,6 +299,7 @@ mod tests {
             let table = Table::open(&path).expect("a table");
             let cells = |name: &str| format!("{:?}", column(&table, name).expect(name));
             assert_eq!(cells("half"), "[0.5, -2.0, 65504.0]");
+            assert_eq!((cells("double"), cells("whole")), ("[0.5, NaN, 2.0]".into(), "[1.0, -2.0, NaN]".into()));
             assert_eq!(cells("decimal"), "[1.23, NaN, 100000000000000.02]");
             assert_eq!(cells("wide"), "[0.1, 0.2, -0.3]");
             assert_eq!(cells("numbers"), "[2.5, NaN, 1.5]");

@@ -47,13 +47,11 @@ pub(super) fn read(path: &Path, about: &mut About) -> Result<Arrays, Error> {
     let datasets = guarded(|| {
         let file = File::open_streaming(path).map_err(|error| wrong(error.to_string()))?;
         claims::check_open(&file, size).map_err(wrong)?;
-        let mut found = Found::default();
+        let mut found = Found { columns: vec![], about };
         found.group(&file.root(), "", 0);
-        Ok(found)
+        Ok(found.columns)
     });
-    let Found { columns, told } = datasets.unwrap_or_else(|| Err(wrong(DAMAGED.into())))?;
-    about.omitted.extend(told.omitted);
-    about.notes.extend(told.notes);
+    let columns = datasets.unwrap_or_else(|| Err(wrong(DAMAGED.into())))?;
     if size <= links::LARGEST {
         links::links(&limit::whole(path)?).into_iter().for_each(|(place, reason)| about.omit(place, reason));
     }
@@ -73,13 +71,12 @@ fn is_marked(path: &Path) -> std::io::Result<bool> {
     Ok(false)
 }
 
-#[derive(Default)]
-struct Found {
+struct Found<'a> {
     columns: Named,
-    told: About,
+    about: &'a mut About,
 }
 
-impl Found {
+impl Found<'_> {
     /// Adds all below a group; a part that is not readable takes nothing from others.
     fn group(&mut self, group: &Group, path: &str, depth: usize) {
         let inner = |name: &str| if path.is_empty() { name.to_string() } else { format!("{path}/{name}") };
@@ -95,7 +92,7 @@ impl Found {
             }
             // One link whose place is not known, for example.
             Err(error) => self
-                .told
+                .about
                 .omit(format!("group /{path}"), format!("{error}; write its datasets without links, or as Parquet")),
         }
         for name in group.groups().unwrap_or_default() {
@@ -136,7 +133,7 @@ impl Found {
                 Ok(mut values) => {
                     let name = format!("{name}{part}");
                     let missing = attributes.apply(&mut values);
-                    self.told.notes.extend(attributes.told(&name, missing));
+                    self.about.notes.extend(attributes.told(&name, missing));
                     let columns = match long[..] {
                         [rows, across] => matrix(&name, [rows, across], true, &values),
                         _ => vec![(name, values)],
@@ -150,7 +147,7 @@ impl Found {
     }
 
     fn omit(&mut self, path: &str, reason: String) {
-        self.told.omit(format!("dataset {path}"), reason);
+        self.about.omit(format!("dataset {path}"), reason);
     }
 }
 

@@ -33,31 +33,30 @@ const ARCHIVE: &[u8] = b"PK";
 /// those of text, are left out. The columns of an array alone are called c1, c2 and so on, as those of text are.
 pub(super) fn read(path: &Path, about: &mut About) -> Result<Arrays, Error> {
     let damaged = || Err(Error::content(path, "content", format!("not readable as NumPy's arrays: {DAMAGED}")));
-    let Found { mut columns, mut times, omitted } = guarded(|| arrays(path)).unwrap_or_else(damaged)?;
+    let found = guarded(|| arrays(path, about)).unwrap_or_else(damaged)?;
+    let (mut columns, mut times) = (found.columns, found.times);
     without_variable(&mut columns, &mut times);
-    about.omitted.extend(omitted.omitted);
     let (names, columns) = of_one_length(path, columns, about)?;
     about.clocks.extend(times.iter().filter_map(|time| names.iter().position(|name| name == time)));
     Ok((names, columns).into())
 }
 
 /// What is found of a file.
-#[derive(Default)]
-struct Found {
+struct Found<'a> {
     columns: Named,
     /// Names of the columns that are times.
     times: Vec<String>,
-    omitted: About,
+    about: &'a mut About,
 }
 
-fn arrays(path: &Path) -> Result<Found, Error> {
+fn arrays<'a>(path: &Path, about: &'a mut About) -> Result<Found<'a>, Error> {
     let wrong =
         |error: IoError| Error::content(path, "content", format!("not readable as NumPy's arrays: {error}; {DAMAGED}"));
     let mut file = File::open(path).map_err(Error::io(path))?;
     let mut mark = Vec::new();
     file.by_ref().take(ARRAY.len() as u64).read_to_end(&mut mark).map_err(Error::io(path))?;
     file.rewind().map_err(Error::io(path))?;
-    let (mut found, mut limit) = (Found::default(), Limit::of_file(path)?);
+    let (mut found, mut limit) = (Found { columns: vec![], times: vec![], about }, Limit::of_file(path)?);
     if mark == ARRAY {
         let array = opened(BufReader::new(file)).map_err(wrong)?;
         found.add(path, None, array, &mut limit)?;
@@ -75,7 +74,7 @@ fn arrays(path: &Path) -> Result<Found, Error> {
     Ok(found)
 }
 
-impl Found {
+impl Found<'_> {
     /// Adds the columns of an array; one alone has no name.
     fn add<R: Read>(
         &mut self,
@@ -97,7 +96,7 @@ impl Found {
         let claimed = claimed.and_then(|()| if size == u64::MAX { Ok(()) } else { limit.claim(size) });
         claimed.map_err(|problem| Error::content(path, &place, problem))?;
         let long: Vec<usize> = shape.iter().filter(|side| **side != 1).map(|side| *side as usize).collect();
-        let mut omit = |reason: &str| self.omitted.omit(&place, reason);
+        let mut omit = |reason: &str| self.about.omit(&place, reason);
         if long.len() > 2 {
             omit("more than two dimensions: save it as a matrix");
             return Ok(());
@@ -119,10 +118,10 @@ impl Found {
                 _ => format!("{base}{part}"),
             };
             match values {
-                Err(reason) if name.is_none() && own.is_empty() => self.omitted.omit(&place, reason),
-                Err(reason) => self.omitted.omit(format!("array {own}"), reason),
+                Err(reason) if name.is_none() && own.is_empty() => self.about.omit(&place, reason),
+                Err(reason) => self.about.omit(format!("array {own}"), reason),
                 Ok(values) if is_time && values.len() < 2 => {
-                    self.omitted.omit(format!("array {own}"), "a single time");
+                    self.about.omit(format!("array {own}"), "a single time");
                 }
                 Ok(values) => {
                     let is_bare = name.is_none() && !matches!(kind, DType::Record(_));

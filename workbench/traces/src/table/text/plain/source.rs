@@ -16,7 +16,7 @@ const BEYOND: usize = 1 << 10;
 
 /// A text.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Source<'a> {
+pub(in crate::table::text) enum Source<'a> {
     Memory(&'a str),
     /// The bytes of a file from `start` to before `end`.
     File {

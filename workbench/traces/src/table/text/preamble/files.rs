@@ -1,28 +1,17 @@
 //! Files as loggers write them, whose rate was once taken wrongly: known, or asked with a note.
 
-use std::path::Path;
+use crate::reader::of_content;
 
-use crate::reader::{numeric, series};
-use crate::table::Table;
-
-/// Rows a second of the first trace of a file, and what is said of it.
-fn read(path: &Path, rate_hz: Option<f64>) -> (Option<f64>, Vec<String>, String) {
-    let table = Table::open(path).expect("a text");
-    let (names, _) = numeric(&table, None).expect("columns");
-    let all = series(&table, (None, rate_hz), &names).expect("rows");
-    let rate = all[0].times_s.as_ref().map(|times| {
-        let steps = (times.len() - 1) as f64;
-        steps / (times[times.len() - 1] - times[0])
-    });
-    (rate, names, table.about().told().collect::<Vec<_>>().join("\n"))
+/// Rows a second of a file with this text, the names of its columns, and what is said of it.
+fn of_text(name: &str, text: &str) -> (Option<f64>, Vec<String>, String) {
+    with_rate(name, text, None)
 }
 
-/// The same of a text.
-fn of_text(name: &str, text: &str) -> (Option<f64>, Vec<String>, String) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join(name);
-    std::fs::write(&path, text).expect("writable");
-    read(&path, None)
+/// The same with a rate that is given.
+fn with_rate(name: &str, text: &str, rate_hz: Option<f64>) -> (Option<f64>, Vec<String>, String) {
+    let (names, series, told) = of_content(name, text, rate_hz).expect("a text");
+    let rate = series.times_s.map(|times| (times.len() - 1) as f64 / (times[times.len() - 1] - times[0]));
+    (rate, names, told.join("\n"))
 }
 
 /// Rows of three columns.
@@ -126,10 +115,8 @@ fn doubts_leave_the_rate_and_are_said() {
 
 #[test]
 fn a_given_rate_stands_and_times_are_compared() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("m.csv");
-    std::fs::write(&path, english("Sample rate,8000 Hz")).expect("writable");
-    assert!(is_near(read(&path, Some(2000.0)).0, 2000.0) && is_near(read(&path, None).0, 8000.0));
+    let text = english("Sample rate,8000 Hz");
+    assert!(is_near(with_rate("m.csv", &text, Some(2000.0)).0, 2000.0) && is_near(of_text("m.csv", &text).0, 8000.0));
     let timed = |rate: u32| {
         let data: String = (0..50).map(|k| format!("{:.6},{}.5\n", f64::from(k) / 2000.0, k % 7)).collect();
         of_text("m.csv", &format!("Sample rate,{rate}\nt_s,iq_A\n{data}"))

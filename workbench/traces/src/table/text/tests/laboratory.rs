@@ -2,22 +2,10 @@
 
 use std::fmt::Write as _;
 
-use crate::reader::{Series, numeric, series};
-use crate::table::Table;
-
-/// The names of the columns of numbers, and the only trace.
-fn only(table: &Table) -> Result<(Vec<String>, Series), String> {
-    let (names, _) = numeric(table, None).map_err(|error| error.to_string())?;
-    let mut all = series(table, (None, None), &names).map_err(|error| error.to_string())?;
-    Ok((names, all.remove(0)))
-}
+use crate::reader::{Series, of_content};
 
 fn read(text: &str) -> Result<(Vec<String>, Series, Vec<String>), String> {
-    let file = tempfile::Builder::new().suffix(".csv").tempfile().expect("a file");
-    std::fs::write(file.path(), text).expect("writable");
-    let table = Table::open(file.path()).map_err(|error| error.to_string())?;
-    let (names, series) = only(&table)?;
-    Ok((names, series, table.about().told().collect()))
+    of_content("a.csv", text, None).map_err(|error| error.to_string())
 }
 
 /// Names and units of the channels of a group, its step in ms, and its rows.
