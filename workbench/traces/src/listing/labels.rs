@@ -12,7 +12,6 @@ use crate::reader::names_of_rows;
 use crate::table::{Table, csv_error};
 
 /// Bytes of a text that are looked at to know whether it has labels: its columns, and names of traces.
-const START: u64 = 1 << 12;
 const HEAD: u64 = 1 << 16;
 /// Formats of columns that may be texts; arrays of numbers have no labels.
 const WITH_TEXTS: [&str; 4] = ["parquet", "arrow", "arrows", "feather"];
@@ -37,25 +36,15 @@ pub(crate) fn has_labels(file: &Path) -> bool {
 
 /// The columns and the first names of traces of a text, whose cells may have blanks.
 fn head_of(file: &Path) -> Option<(Vec<String>, Vec<String>)> {
-    // Most files are recordings, of which the columns are enough.
-    let start = head_within(file, START).filter(|(columns, _)| !columns.iter().any(|name| name == "trace"));
-    start.or_else(|| head_within(file, HEAD))
-}
-
-/// The same of the first bytes; `None` if they do not have the line of the columns.
-fn head_within(file: &Path, most: u64) -> Option<(Vec<String>, Vec<String>)> {
     let mut bytes = Vec::new();
-    std::fs::File::open(file).ok()?.take(most).read_to_end(&mut bytes).ok()?;
+    std::fs::File::open(file).ok()?.take(HEAD).read_to_end(&mut bytes).ok()?;
     let text = String::from_utf8_lossy(&bytes);
     let header = text.lines().find(|line| !line.trim().is_empty())?;
     let separator = [b',', b';', b'\t'].into_iter().max_by_key(|mark| header.matches(char::from(*mark)).count())?;
     let mut reader = csv::ReaderBuilder::new();
     let mut reader = reader.trim(csv::Trim::All).flexible(true).delimiter(separator).from_reader(text.as_bytes());
     let columns: Vec<String> = reader.headers().ok()?.iter().map(String::from).collect();
-    let is_whole = text.trim_start().contains('\n') || most == HEAD;
-    let Some(place) = columns.iter().position(|name| name == "trace") else {
-        return is_whole.then(|| (columns, vec![]));
-    };
+    let Some(place) = columns.iter().position(|name| name == "trace") else { return Some((columns, vec![])) };
     let rows = reader.records().map_while(Result::ok);
     let ids = rows.filter_map(|row| row.get(place).map(String::from));
     Some((columns, ids.collect()))
@@ -97,7 +86,7 @@ mod tests {
             ("rows.csv", "trace,class_name,t_s,i\na,healthy,0,1\na,healthy,1,2\n", false),
             ("recording.csv", "t_s,i,class_name\n0,1,healthy\n", false),
             ("words.csv", "trace class_name\n", false),
-            ("long.csv", &format!("class_name,{},trace\nhealthy,1,a\n", "x".repeat(2 * START as usize)), true),
+            ("long.csv", &format!("class_name,{},trace\nhealthy,1,a\n", "x".repeat(8192)), true),
         ] {
             let file = folder.path().join(name);
             std::fs::write(&file, text).expect("writable");

@@ -1,5 +1,5 @@
-//! The elements of a MATLAB file of format 5 to 7, checked and unpacked before a reader takes them, which trusts every
-//! length.
+//! The elements of a MATLAB file of format 5 to 7, unpacked within the limit of the file, and refused if they do not fit
+//! into each other: their reader ([`super::arrays`]) is recursive, and makes eight bytes of a small number.
 //!
 //! ```text
 //! file     128 bytes of header, the last two "IM" (little-endian) or "MI"; elements
@@ -23,7 +23,7 @@ const DIMENSIONS: u32 = 5;
 /// Classes of arrays: that without an element for zeros, and the last one with dimensions.
 const SPARSE: u8 = 5;
 const LAST_CLASS: u8 = 15;
-/// Deepest array in an array; the reader is recursive.
+/// Deepest array in an array.
 const DEEPEST: usize = 16;
 
 /// One element.

@@ -7,6 +7,7 @@ mod header;
 mod layout;
 mod plain;
 pub(super) mod preamble;
+mod quoted;
 mod rows;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,8 @@ use layout::Layout;
 use model::Error;
 use model::trace::TextForm;
 use plain::{Failure, Form, Source};
+
+pub use quoted::csv_error;
 
 pub(super) use cells::with_unit;
 pub(super) use encoding::packed;
@@ -126,18 +129,6 @@ impl Text {
         Ok(())
     }
 
-    fn reader<'a>(&self, text: &'a str) -> csv::Reader<Blanks<'a>> {
-        let mut builder = csv::ReaderBuilder::new();
-        builder.flexible(true).has_headers(false).comment(self.layout.comment);
-        builder.delimiter(if self.layout.separator == b' ' { b',' } else { self.layout.separator });
-        builder.from_reader(Blanks {
-            rest: text.as_bytes(),
-            squeeze: self.layout.separator == b' ',
-            row_ends: self.layout.row_ends,
-            inside: false,
-        })
-    }
-
     pub(super) fn read(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Columns, Error> {
         let (columns, problems) = self.found((path, names), wanted)?;
         match problems.into_iter().min_by_key(|(_, (line, _))| *line) {
@@ -213,7 +204,7 @@ impl Text {
                 Cow::Owned(text)
             }
         };
-        let mut reader = self.reader(&text[start_of_line(&text, self.layout.first)..]);
+        let mut reader = quoted::reader(&text[start_of_line(&text, self.layout.first)..], &self.layout);
         let mut record = csv::StringRecord::new();
         let mut columns = Columns {
             numbers: vec![Vec::new(); wanted.numbers.len()],
@@ -221,7 +212,7 @@ impl Text {
             lines: Lines::default(),
         };
         let (mut rows, mut problems) = (0, BTreeMap::new());
-        while reader.read_record(&mut record).map_err(|error| csv_error(path, &error))? {
+        while reader.read_record(&mut record).map_err(|error| quoted::csv_error(path, &error))? {
             let line = record.position().map_or(0, csv::Position::line) + self.layout.first as u64;
             rows += 1;
             let ends_early = self.layout.rates.is_some();
@@ -379,56 +370,4 @@ fn no_number(cell: &str) -> String {
         cell.contains([',', '.']) && cell.chars().all(|c| c.is_ascii_digit() || matches!(c, ',' | '.' | '-'));
     let why = if thousands { "; --decimal point or comma tells which mark separates thousands" } else { "" };
     format!("\"{cell}\" is not a number{why}")
-}
-
-/// Text whose blanks between cells become commas.
-struct Blanks<'a> {
-    rest: &'a [u8],
-    squeeze: bool,
-    /// Whether semicolons end the rows.
-    row_ends: bool,
-    /// Whether a cell of this line has begun.
-    inside: bool,
-}
-
-impl std::io::Read for Blanks<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        if !self.squeeze {
-            return self.rest.read(buffer);
-        }
-        let mut written = 0;
-        while let ([first, rest @ ..], Some(cell)) = (self.rest, buffer.get_mut(written)) {
-            self.rest = rest;
-            match first {
-                b' ' | b'\t' => {
-                    // Blanks at the ends of a line separate nothing.
-                    let next = rest.first().copied().unwrap_or(b'\n');
-                    let is_end = self.row_ends && next == b';';
-                    if !self.inside || is_end || matches!(next, b' ' | b'\t' | b'\r' | b'\n') {
-                        continue;
-                    }
-                    *cell = b',';
-                }
-                b';' if self.row_ends => continue,
-                other => {
-                    self.inside = *other != b'\n';
-                    *cell = *other;
-                }
-            }
-            written += 1;
-        }
-        Ok(written)
-    }
-}
-
-/// Returns the error of a text file, with its line.
-#[must_use]
-pub fn csv_error(path: &Path, error: &csv::Error) -> Error {
-    let line = error.position().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));
-    let problem = match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => "the text is not UTF-8".into(),
-        csv::ErrorKind::Io(io) => io.to_string(),
-        _ => error.to_string(),
-    };
-    Error::content(path, line, format!("not readable as CSV: {problem}"))
 }
