@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::labels::read_labels;
+use crate::listing::labels::read_labels;
 use crate::listing::{LEFT_OUT, told_unlabelled, unlabelled};
 use crate::table::Table;
 use crate::{Candidate, Listing, Source};
 use model::Error;
+use model::outputs::folder_of;
 use model::session::{Given, Piece, TemperatureColumn, TraceSource};
 use model::settings::Settings;
 use model::trace::{Channels, FrontEndFile, Labels, Recorded, Trace, TraceNames};
@@ -45,17 +46,14 @@ pub fn given_without_front_end(settings: &Settings, memory: Memory) -> Result<Gi
     };
     let source = match memory.traces {
         Some(tables) => Source::Memory(tables),
-        None if traces.is_empty() => Source::Labelled(vec![folder_of(file.as_deref())], labels.0.names()),
+        None if traces.is_empty() => {
+            let folder = file.as_deref().map_or(Path::new("."), folder_of);
+            Source::Labelled(vec![folder.to_path_buf()], labels.0.names())
+        }
         None => Source::Labelled(traces.clone(), labels.0.names()),
     };
     let (labels, file) = labels;
     Ok(Given { labels, file, source: Box::new(source), front_end: None })
-}
-
-/// The folder of the labels, or this one.
-fn folder_of(labels: Option<&Path>) -> PathBuf {
-    let folder = labels.and_then(Path::parent).filter(|folder| !folder.as_os_str().is_empty());
-    folder.unwrap_or(Path::new(".")).to_path_buf()
 }
 
 impl TraceSource for Source {

@@ -9,50 +9,37 @@
 //! recording at the control rate (phase currents, counts of the position sensor) passes the front end of the firmware
 //! first. [`read`] and [`Source`] read traces; the other modules are its steps.
 //!
-//! | module | content |
+//! | room | content |
 //! |---|---|
-//! | [`walk`] | the files of folders and of those below them |
-//! | [`Listing`] | the files that may have traces, and their names |
+//! | `listing` | the files of folders that may have traces, their names, and labels |
 //! | [`table`] | named columns of a file of any format, or in memory |
 //! | [`reader`] | columns → traces: one file a trace, or a table with a column of their names |
-//! | `table_header` | which columns are the time, the traces and signals |
-//! | `changes` | logs of changes: the last value is held |
-//! | `row_times` | columns → the time of each row |
-//! | `assemble` | rows → samples: what is missing is NaN |
+//! | `signal` | a channel by the text of its formula |
+//! | `time` | the times of rows |
 //! | [`front_end`] | recordings at the control rate → clean samples |
 //! | [`units`] | units, by the names of columns |
 //! | `temperature` | temperatures, by the names of columns |
 //! | `turning` | the units of angle and velocity, by names and by values |
-//! | `usual_rate` | the usual rate that rounded times allow |
 //! | [`resample`] | irregular times → a constant rate |
 //! | [`given`] | labels, front end and traces that settings name |
 //! | [`audit`] | what recordings are worth |
 //! | [`describe`] | recordings → the text of a drive file |
 //! | [`damaged`] | damaged files, at which readers of other crates panic |
 
-mod assemble;
 pub mod audit;
-mod changes;
-mod cleaned_reader;
 pub mod damaged;
 pub mod describe;
 pub mod front_end;
 pub mod given;
-mod labels;
 mod listing;
-mod naming;
 pub mod reader;
 pub mod resample;
-mod row_times;
 mod signal;
 pub mod table;
-mod table_header;
 mod temperature;
 mod time;
 mod turning;
 pub mod units;
-mod usual_rate;
-pub mod walk;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -64,10 +51,10 @@ use model::Error;
 
 use listing::{LACKING, read_table, without};
 
-pub use labels::read_labels;
-pub use listing::{Candidate, Listing, is_trace};
+pub use listing::labels::read_labels;
+pub use listing::naming::whole_name;
+pub use listing::{Candidate, Listing, is_trace, walk};
 use model::trace::{Channels, Recorded, Trace, TraceNames, trace_name};
-pub use naming::whole_name;
 pub use table::LARGEST;
 use table::Table;
 
@@ -126,8 +113,8 @@ impl Source {
             Self::Files(paths) | Self::Labelled(paths, _) => read_files((paths, self.names()), channels, Some(wanted)),
             Self::Memory(tables) => {
                 let mut gathered = Gathered::default();
-                for table in tables {
-                    gathered.add(&Table::of(table), channels, wanted)?;
+                for table in tables.iter().map(Table::of) {
+                    gathered.add(read_table(&table, channels, wanted)?, table.path())?;
                 }
                 gathered.complete(channels, tables.len(), &[format!("{} tables", tables.len())])
             }
@@ -188,11 +175,7 @@ impl Origins {
 }
 
 impl Gathered {
-    fn add(&mut self, table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<(), Error> {
-        self.add_all(read_table(table, channels, wanted)?, table.path())
-    }
-
-    fn add_all(&mut self, traces: Vec<Trace>, file: &Path) -> Result<(), Error> {
+    fn add(&mut self, traces: Vec<Trace>, file: &Path) -> Result<(), Error> {
         for trace in traces {
             self.origins.add(&trace.id, file)?;
             self.traces.push(trace);
@@ -230,7 +213,7 @@ fn read_files(
     for (candidate, traces) in candidates.iter().zip(read) {
         match traces? {
             Some(traces) => {
-                gathered.add_all(traces, &candidate.file)?;
+                gathered.add(traces, &candidate.file)?;
                 files += 1;
             }
             None => lacking.push(&candidate.file),

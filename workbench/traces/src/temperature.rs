@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::Source;
 use crate::listing::{Candidate, Listing, has_columns};
+use crate::reader::header::{header_of, is_wanted};
 use crate::table::Table;
-use crate::table_header::{header_of, is_wanted};
 use crate::units::{Quantity, Unit};
 use model::Error;
 use model::session::TemperatureColumn;

@@ -44,7 +44,7 @@ pub(crate) struct Channel {
     pub(crate) text: String,
     /// What tells the unit, or what is asked; `None` if the name tells it.
     pub(crate) said: Option<String>,
-    is_angle: bool,
+    kind: Kind,
 }
 
 impl Channel {
@@ -55,8 +55,8 @@ impl Channel {
 
     /// The values of the column in rad or rad/s; where the unit is a question, as they are.
     pub(crate) fn values(&self, column: &Column<'_>) -> Vec<f64> {
-        let role = if self.is_angle { Role::Angle } else { Role::Velocity };
-        let text = answered(&self.text, self.is_angle);
+        let role = if self.kind == Kind::Angle { Role::Angle } else { Role::Velocity };
+        let text = answered(&self.text, self.kind == Kind::Angle);
         let names = [column.name.to_string()];
         let signal = Signal::of_role(&text, &names, role).or_else(|_| Signal::parse(column.name, &names));
         let rows = column.values.len();
@@ -217,7 +217,7 @@ fn pole_pairs(times: Option<f64>, [angle, velocity]: [bool; 2]) -> Option<f64> {
 }
 
 /// Whether a column is an angle or a velocity.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Angle,
     Velocity,
@@ -231,23 +231,21 @@ impl Kind {
         if electrical {
             return self.electrical((name, unit), pairs);
         }
-        match known {
-            Some(Known { by, .. }) if by.is_empty() => Channel { text: name.to_string(), said: None, is_angle },
+        let (text, said) = match known {
+            Some(Known { by, .. }) if by.is_empty() => (name.to_string(), None),
             Some(Known { unit, by, .. }) => {
-                let said = Some(format!("{name} is taken in {unit}: {by}"));
-                Channel { text: format!("{name}[{unit}]"), said, is_angle }
+                (format!("{name}[{unit}]"), Some(format!("{name} is taken in {unit}: {by}")))
             }
-            None if is_angle && is_counts(column.values) => Channel {
-                text: format!("{name}[turn/?]"),
-                said: Some(format!("{name} counts: how many counts has a turn of the shaft?")),
-                is_angle,
-            },
+            None if is_angle && is_counts(column.values) => {
+                let said = format!("{name} counts: how many counts has a turn of the shaft?");
+                (format!("{name}[turn/?]"), Some(said))
+            }
             None => {
                 let units = if is_angle { "rad, turn or deg" } else { "rad/s, rpm, turn/s or deg/s" };
-                let said = format!("the unit of {name} is not known: {units}?");
-                Channel { text: format!("{name}[?]"), said: Some(said), is_angle }
+                (format!("{name}[?]"), Some(format!("the unit of {name} is not known: {units}?")))
             }
-        }
+        };
+        Channel { text, said, kind: self }
     }
 
     /// An electrical angle or speed over the pole pairs.
@@ -261,7 +259,7 @@ impl Kind {
             Some(pairs) => format!("{name} is electrical: {pairs} pole pairs, by a mechanical signal"),
             None => format!("{name} is electrical: how many pole pairs has the motor?"),
         };
-        Channel { text, said: Some(said), is_angle: self == Self::Angle }
+        Channel { text, said: Some(said), kind: self }
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use super::audited::Audited;
-use crate::labels::read_labels;
+use crate::listing::labels::read_labels;
 use crate::listing::{Candidate, Listing};
 use crate::resample::unwrapped;
 use model::Error;

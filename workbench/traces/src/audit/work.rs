@@ -10,8 +10,8 @@ use super::asked::Audit;
 use super::audited::{Audited, Finding, Line, Outcome};
 use super::findings::{add, equal_traces, session_sets, several_rates};
 use super::looked;
-use crate::cleaned_reader;
 use crate::front_end::OWN;
+use crate::front_end::cleaned;
 use crate::listing::{Candidate, LEFT_OUT, told_unlabelled, without};
 use crate::table::Table;
 use model::Error;
@@ -129,7 +129,7 @@ impl Audit {
             let time = ("t_s".to_string(), Cells::Numbers(times));
             Recorded::new(trace_name(&trace.id), std::iter::once(time).chain(columns).collect())
         };
-        let traces = cleaned_reader::read(table, &wanted, front_end, &|_| true)?;
+        let traces = cleaned::read(table, &wanted, front_end, &|_| true)?;
         traces.into_iter().map(each).collect()
     }
 

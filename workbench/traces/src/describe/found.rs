@@ -10,7 +10,7 @@ use super::names::{self, Told};
 use super::proposal::Proposal;
 use super::raw::{self, Extremes, RawFrontEnd};
 use crate::front_end::OWN;
-use crate::naming::Naming;
+use crate::listing::naming::Naming;
 use crate::table::Table;
 use crate::turning::Turning;
 use crate::{read_labels, reader};

@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 
 pub(super) use super::words::is_healthy;
 use super::words::{is_clearly_healthy, is_damaged, is_run_key, plain, runs_of, tells_class};
-use crate::naming::Naming;
-use crate::walk::key_of;
+use crate::listing::naming::Naming;
+use crate::listing::walk::key_of;
 use model::Error;
 use model::outputs::cell;
 use model::trace::{composed, file_name, stem, trace_name};

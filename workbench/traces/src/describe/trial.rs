@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::found::Found;
 use super::values::{LEAST_SAMPLES, SEGMENTS, UNTIL_A_BEARING, Values, mean_and_rms};
 use crate::given::{Memory, given};
-use crate::naming::whole_name;
+use crate::listing::naming::whole_name;
 use model::session::{Log, Quiet, Session};
 use model::settings::{DriveFile, literal};
 use model::trace::{Cells, Labels, Recorded};

@@ -14,8 +14,8 @@ use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 
 use crate::front_end::clean::{is_sampled, raw_sample};
 use crate::reader;
+use crate::reader::header::header_of;
 use crate::table::Table;
-use crate::table_header::header_of;
 use model::Error;
 use model::trace::Channels;
 use model::trace::front_end::FrontEndFile;

@@ -19,27 +19,26 @@ pub(crate) enum Signal {
 }
 
 impl Signal {
+    /// What it is made of.
+    fn parts(&self) -> Vec<&Self> {
+        match self {
+            Self::Column(_) | Self::Constant(_) => vec![],
+            Self::Scaled(_, _, own) | Self::Integral(own) | Self::Unwrapped(_, own) => vec![own],
+            Self::Sum(one, other) => vec![one, other],
+        }
+    }
+
     /// The places of its columns.
     fn columns(&self, found: &mut Vec<usize>) {
-        match self {
-            Self::Column(place) => found.push(*place),
-            Self::Constant(_) => {}
-            Self::Scaled(_, _, own) | Self::Integral(own) | Self::Unwrapped(_, own) => own.columns(found),
-            Self::Sum(one, other) => {
-                one.columns(found);
-                other.columns(found);
-            }
+        if let Self::Column(place) = self {
+            found.push(*place);
         }
+        self.parts().into_iter().for_each(|part| part.columns(found));
     }
 
     /// Whether it takes an integral over time.
     pub(crate) fn integrates(&self) -> bool {
-        match self {
-            Self::Column(_) | Self::Constant(_) => false,
-            Self::Integral(_) => true,
-            Self::Scaled(_, _, own) | Self::Unwrapped(_, own) => own.integrates(),
-            Self::Sum(one, other) => one.integrates() || other.integrates(),
-        }
+        matches!(self, Self::Integral(_)) || self.parts().into_iter().any(Self::integrates)
     }
 
     /// The same signal of columns at other places.

@@ -1,6 +1,5 @@
-//! Columns of a table: which are wanted, what is read, and which of their numbers are taken.
-
-use super::lines::Lines;
+//! Columns of a table: which are wanted, what is read, on which lines, which of their numbers are taken, and what the
+//! table says beside them.
 
 /// No sensor measures larger values in any unit; their squares and products would overflow single precision.
 pub const LARGEST: f64 = 1e15;
@@ -84,6 +83,88 @@ pub(super) fn is_missing(cell: &str) -> bool {
     WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word)) || cell.trim_start_matches('-').starts_with("1.#")
 }
 
+/// Lines of rows.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Lines {
+    /// First row of a run, and its line.
+    runs: Vec<(usize, u64)>,
+    rows: usize,
+}
+
+impl Lines {
+    /// Adds the line of the next row.
+    pub(super) fn push(&mut self, line: u64) {
+        let follows = |(first, own): &(usize, u64)| *own + (self.rows - first) as u64 == line;
+        if !self.runs.last().is_some_and(follows) {
+            self.runs.push((self.rows, line));
+        }
+        self.rows += 1;
+    }
+
+    /// Adds the lines of later rows.
+    pub(super) fn append(&mut self, later: &Self) {
+        self.runs.extend(later.runs.iter().map(|(row, line)| (self.rows + row, *line)));
+        self.rows += later.rows;
+    }
+
+    /// Number of rows.
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The line of a row.
+    pub(super) fn of(&self, row: usize) -> Option<u64> {
+        let run = self.runs.partition_point(|(first, _)| *first <= row).checked_sub(1)?;
+        let (first, line) = self.runs[run];
+        (row < self.rows).then(|| line + (row - first) as u64)
+    }
+}
+
+/// What was left out of a file, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Omitted {
+    /// Line, column or array.
+    pub place: String,
+    /// Why, and what to do about it.
+    pub reason: String,
+}
+
+/// Columns that are times, and what was left out or guessed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct About {
+    /// Places of columns whose numbers are seconds from the first row, whatever their names say.
+    pub clocks: Vec<usize>,
+    /// Seconds of a step of the integers that some of them are.
+    pub ticks_s: Vec<(usize, f64)>,
+    /// Places of columns that have the name of a time and count rows.
+    pub counters: Vec<usize>,
+    /// Places of columns that repeat the time for another channel.
+    pub twins: Vec<usize>,
+    /// A column with the part of a second that the time lacks: its place, and the seconds of its unit.
+    pub fraction: Option<(usize, f64)>,
+    /// A channel that has other times: its place, and the line where they differ first.
+    pub other_times: Option<(usize, u64)>,
+    /// Seconds from row to row, if the file tells them and has no column of times.
+    pub step_s: Option<f64>,
+    /// What was left out.
+    pub omitted: Vec<Omitted>,
+    /// What was guessed, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl About {
+    /// What was left out or guessed, a sentence each.
+    pub fn told(&self) -> impl Iterator<Item = String> + '_ {
+        let omitted = self.omitted.iter().map(|Omitted { place, reason }| format!("{place}: left out: {reason}"));
+        omitted.chain(self.notes.iter().cloned())
+    }
+
+    /// Adds what was left out.
+    pub fn omit(&mut self, place: impl Into<String>, reason: impl Into<String>) {
+        self.omitted.push(Omitted { place: place.into(), reason: reason.into() });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,5 +195,22 @@ mod tests {
         for cell in ["x", "0", "start", "missing", "12:30", "nanometre", "1.2.3"] {
             assert!(!is_missing(cell), "{cell}");
         }
+    }
+
+    #[test]
+    fn lines_of_rows_with_gaps() {
+        let of = |all: &[u64]| {
+            let mut lines = Lines::default();
+            all.iter().for_each(|line| lines.push(*line));
+            lines
+        };
+        let all = [2, 3, 4, 7, 9, 10, 11, 15];
+        let mut joined = of(&all[..5]);
+        joined.append(&of(&all[5..]));
+        for lines in [of(&all), joined] {
+            assert!((0..all.len()).all(|row| lines.of(row) == Some(all[row])));
+            assert_eq!((lines.of(all.len()), lines.rows()), (None, all.len()));
+        }
+        assert_eq!(Lines::default().of(0), None);
     }
 }

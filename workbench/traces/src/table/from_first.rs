@@ -1,7 +1,7 @@
 //! Times of a column → seconds from the first one, to the last digit of a double.
 
-use super::clock::iso_nanoseconds;
-use super::columns::is_missing;
+use crate::table::columns::is_missing;
+use crate::time::clock::iso_nanoseconds;
 
 /// Rank of points of time among the columns that may be the time of rows: the smallest is the best.
 pub const POINTS: u8 = 0;

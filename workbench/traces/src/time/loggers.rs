@@ -2,8 +2,7 @@
 
 use model::audit::times::Times;
 
-use crate::reader::series;
-use crate::table::Table;
+use crate::reader::of_content;
 
 /// Rows of each file.
 const ROWS: u64 = 400;
@@ -69,25 +68,21 @@ const CASES: [(&str, Row, Option<f64>); 20] = [
 
 #[test]
 fn times_of_many_loggers_have_their_rate() {
-    let folder = tempfile::tempdir().expect("a folder");
     for (case, (name, row, rate_hz)) in CASES.iter().enumerate() {
-        let path = folder.path().join(format!("{case}.csv"));
         let rows: String = (0..ROWS).map(|k| format!("{},{}.5,{}\n", row(k), k % 7, 100 + k % 11)).collect();
-        std::fs::write(&path, format!("{name},current_A,speed_rpm\n{rows}")).expect("writable");
-        let table = Table::open(&path).expect(name);
-        let read = series(&table, (None, None), &["current_A".into()]).expect(name);
-        let found = read[0].times_s.as_deref().and_then(Times::of).map(|times| times.rate_hz);
+        let read = of_content(&format!("{case}.csv"), &format!("{name},current_A,speed_rpm\n{rows}"), None);
+        let (names, read, _) = read.expect(name);
+        let found = read.times_s.as_deref().and_then(Times::of).map(|times| times.rate_hz);
         let right = found.zip(*rate_hz).map_or(found == *rate_hz, |(found, rate)| (found / rate - 1.0).abs() < 2e-5);
         assert!(right, "{case} {name}: {found:?} for {rate_hz:?}");
-        assert_eq!(read[0].columns[0].len() as u64, ROWS, "{name}");
+        let current = names.iter().position(|name| name == "current_A").expect("a column");
+        assert_eq!(read.columns[current].len() as u64, ROWS, "{name}");
     }
 }
 
 /// A time beside each channel is one time where all are the same, and refused where they are not.
 #[test]
 fn times_beside_each_channel_are_one() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("a.csv");
     let twincat = "Name;Project\nFile;C:\\a.tcscope\n\nName;Axis.Current;Name;Axis.Speed\n\
                    SymbolBased;True;SymbolBased;True\nSampleTime[ms];0.5;SampleTime[ms];0.5\n\n";
     for (head, names) in [
@@ -98,15 +93,10 @@ fn times_beside_each_channel_are_one() {
         let cell = |k: u64| k as f64 * 0.5;
         let rows: String =
             (0..ROWS).map(|k| format!("{};{}.5;{};{}\n", cell(k), k % 7, cell(k), 100 + k % 11)).collect();
-        let read = |rows: &str| {
-            std::fs::write(&path, format!("{head}{rows}")).expect("writable");
-            let table = Table::open(&path)?;
-            let own = crate::reader::numeric(&table, None)?.0;
-            Ok::<_, model::Error>((series(&table, (None, None), &own)?, own, table.about().told().collect::<Vec<_>>()))
-        };
-        let (found, own, told) = read(&rows).expect(head);
+        let read = |rows: &str| of_content("a.csv", &format!("{head}{rows}"), None);
+        let (own, found, told) = read(&rows).expect(head);
         assert_eq!(own, names, "{head}");
-        let rate = found[0].times_s.as_deref().and_then(Times::of).expect("a time").rate_hz;
+        let rate = found.times_s.as_deref().and_then(Times::of).expect("a time").rate_hz;
         assert!((rate / 2000.0 - 1.0).abs() < 2e-5, "{head}: {rate}");
         assert!(
             told.iter().any(|note| note.contains("column 3") && note.contains("the same time as column 1")),
@@ -116,7 +106,7 @@ fn times_beside_each_channel_are_one() {
         for row in [1, ROWS - 2] {
             let late = format!("{};{}.5;{};", cell(row), row % 7, cell(row));
             let other = rows.replacen(&late, &format!("{};{}.5;{};", cell(row), row % 7, cell(row) + 0.25), 1);
-            let refused = read(&other).expect_err(head).to_string();
+            let refused = read(&other).map(drop).expect_err(head).to_string();
             assert!(refused.contains("this channel has times of its own"), "{refused}");
         }
     }

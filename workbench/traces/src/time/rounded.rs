@@ -9,7 +9,7 @@
 //! Only the corners of the convex hulls of (n_k, t_k) matter to it. Of the rates that the interval allows, the usual
 //! one is taken, else that in its middle. Parts of a recording between breaks have the same T, and a c each.
 
-use crate::usual_rate::between;
+use crate::time::usual_rate::between;
 use model::trace::median;
 
 /// Times are rounded if the unit is at least this part of a step.

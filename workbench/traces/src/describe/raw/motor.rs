@@ -12,6 +12,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix3, Vector3};
 
+use model::audit::pairs::correlation;
+
 use super::phases::mean;
 use super::position::turned;
 
@@ -123,7 +125,8 @@ impl Motor {
         // The acceleration at a block, from those beside it.
         let accelerations: Vec<f64> = velocities.windows(3).map(|own| own[2] - own[0]).collect();
         let changes = |values: &[f64]| values.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>();
-        let by_acceleration = correlation(&changes(currents.get(1..).unwrap_or_default()), &changes(&accelerations));
+        let between = currents.get(1..currents.len().saturating_sub(1)).unwrap_or_default();
+        let by_acceleration = correlation(&changes(between), &changes(&accelerations));
         if by_acceleration.abs() > SAYS { by_acceleration } else { correlation(&currents, &velocities) }
     }
 
@@ -199,15 +202,4 @@ fn vector(amperes: &[Vec<f64>], row: usize) -> [f64; 2] {
         Some(c) => [(2.0 * a - b - c[row]) / 3.0, (b - c[row]) / 3.0_f64.sqrt()],
         None => [a, (a + 2.0 * b) / 3.0_f64.sqrt()],
     }
-}
-
-fn correlation(one: &[f64], other: &[f64]) -> f64 {
-    let pairs: Vec<(f64, f64)> =
-        one.iter().copied().zip(other.iter().copied()).filter(|(x, y)| (x + y).is_finite()).collect();
-    let count = pairs.len().max(1) as f64;
-    let (x, y) = pairs.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / count, b + y / count));
-    let sum = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
-    let (xy, xx, yy) = (sum(&|p| (p.0 - x) * (p.1 - y)), sum(&|p| (p.0 - x).powi(2)), sum(&|p| (p.1 - y).powi(2)));
-    let deviations = (xx * yy).sqrt();
-    if deviations > 0.0 { xy / deviations } else { 0.0 }
 }
