@@ -74,20 +74,6 @@ struct Sums {
 }
 
 /// Compares the three phase currents over windows.
-///
-/// ```
-/// use bearing_watch::drive::{Abc, BalanceLimits, CurrentBalance, Imbalance, Phase};
-/// use bearing_watch::Angle;
-/// let limits = BalanceLimits { noise_a: 0.05, offset_a: 0.1, gain_tolerance: 0.02, window: 64 };
-/// let mut balance = CurrentBalance::new(limits);
-/// for k in 0..200 {
-///     let angle = Angle::from_counts(k * 2, 5);
-///     let phase = |third: u32| 10.0 * angle.plus(Angle::from_bits(third * 0x5555_5555)).sin_cos().cos;
-///     let _ = balance.push(Abc { a: phase(0), b: 1.1 * phase(2), c: phase(1) }, angle, angle.sin_cos());
-/// }
-/// let Some(Imbalance::Gain { phase: Phase::B, error }) = balance.imbalance() else { panic!("no gain error") };
-/// assert!((error - 0.1).abs() < 1e-3);
-/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CurrentBalance {

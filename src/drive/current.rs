@@ -127,16 +127,6 @@ const fn packed(a: u16, b: u16, c: u16) -> [u32; 2] {
 }
 
 /// The current sensors of a motor: (1), saturation and stuck converters.
-///
-/// ```
-/// use bearing_watch::drive::{CurrentSensors, PhaseCounts, PhaseSensor};
-/// let sensor = PhaseSensor { offset_counts: 2048.0, gain_a: 0.01, usable: [16, 4079] };
-/// let mut sensors = CurrentSensors::new([sensor; 3], 50);
-/// let currents = sensors.convert(&PhaseCounts::Three([2148, 1998, 1998])); // 1 A, −0.5 A, −0.5 A
-/// assert!((currents.a - 1.0).abs() < 1e-6);
-/// assert!(sensors.convert(&PhaseCounts::Three([4095, 2048, 2048])).a.is_nan()); // saturated
-/// assert_eq!(sensors.faults()[0].saturated, 1);
-/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CurrentSensors {

@@ -94,21 +94,6 @@ pub struct PositionFaults {
 }
 
 /// Follows the shaft angle by (2).
-///
-/// ```
-/// use bearing_watch::drive::{Lock, Position, PositionTracker, ResolverLimits, TrackingConstants};
-/// use bearing_watch::Angle;
-/// let resolver = ResolverLimits { low: 0.8, high: 1.2, mismatch: 0.05 };
-/// let tracking = TrackingConstants {
-///     bandwidth_hz: 300.0, damping: 0.7, error_limit_rad: 0.1, lost_samples: 20, settle_samples: 20, resolver,
-/// };
-/// let mut tracker = PositionTracker::new(&tracking, 10_000.0);
-/// for k in 0..1000 {
-///     let sc = Angle::from_radians(0.01 * k as f32).sin_cos(); // 100 rad/s
-///     let _ = tracker.push(&Position::Resolver { sin: sc.sin, cos: sc.cos });
-/// }
-/// assert!(tracker.lock() == Lock::Locked && (tracker.velocity_rad_s() - 100.0).abs() < 0.1);
-/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PositionTracker {

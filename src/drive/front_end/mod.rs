@@ -105,7 +105,7 @@ pub struct Faults {
     pub lock: Lock,
     /// Number of gaps in the numbers of the samples.
     pub gaps: u32,
-    /// Whether the currents turn with the rotor ([`CurrentBalance::alignment`]).
+    /// Whether the currents turn with the rotor.
     pub alignment: Alignment,
 }
 
