@@ -140,7 +140,7 @@ fn the_angle_alone_moves_the_quadrature_current_by_a_fifth_of_a_percent_at_most(
         let part = (sum / samples.len() as f64).sqrt() / 10.0;
         std::println!("quadrature current: {:.3} % rms", 100.0 * part);
         // Lag of the loop: 6 α/Ka, of which the cosine is lost.
-        let lost = 1.0 - (6.0 * 1000.0 / f64::from(tracker.acceleration_constant())).cos();
+        let lost = 1.0 - (6.0 * 1000.0 / f64::from(tracker.gains[1] * RAD * tracker.rate_hz * tracker.rate_hz)).cos();
         assert!(part <= 0.002 && (0.8 * lost..1.3 * lost).contains(&part), "{part} for {lost}");
     }
 }
