@@ -37,7 +37,7 @@ use crate::signal::{Angle, RAD};
 /// whose error is the tangent of the angle's.
 const SLIPPED_RAD: f32 = 0.75;
 
-/// Constants of a [`PositionTracker`].
+/// Constants of the tracking of the angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TrackingConstants {

@@ -4,6 +4,7 @@
 use bearing_watch::Monitor;
 use bearing_watch::drive::{CleanSample, RawSample};
 use bearing_watch::watch::Watch;
+use host_tests::halves::Interrupt;
 use rig::ema::{EmaCondition, EmaDefect, EmaScenario, EmaTrace, Race, simulate};
 use rig::{DefectKind, trace_seed};
 
@@ -53,7 +54,7 @@ fn the_rows_of_the_drive_are_those_of_its_recording_from_any_instant_on() {
         let watch: &'static Watch<Drive, DriveFrontEnd> = Box::leak(Box::default());
         watch.start(&MODEL, &FRONT_END).expect("constants of the example");
         let mut front_end = DriveFrontEnd::new(&FRONT_END).expect("constants of the example");
-        let (mut detector, mut alone) = (bearing_watch::Detector::new(&MODEL), Monitor::new(&MODEL));
+        let (mut interrupt, mut alone) = (Interrupt::new(&MODEL), Monitor::new(&MODEL));
         let (mut expected, mut reports) = (Vec::new(), Vec::new());
         for (k, reading) in recorded[start..].iter().enumerate() {
             let _collected_below = watch.sample(*reading);
@@ -62,8 +63,9 @@ fn the_rows_of_the_drive_are_those_of_its_recording_from_any_instant_on() {
             }
             reports.extend(watch.advance(|now| now.report.clone()));
             let clean: Option<CleanSample<FURTHER>> = front_end.push(&RawSample::from(*reading));
-            if let Some(now) = clean.and_then(|clean| alone.step(&mut detector, &clean.into())) {
-                expected.push(now.report.clone());
+            if let Some(mut segment) = clean.and_then(|clean| interrupt.collect(&clean.into())) {
+                alone.take_from(&mut segment);
+                expected.push(alone.complete().expect("a segment").report.clone());
             }
         }
         assert!(!expected.is_empty() && reports == expected, "from {start}: {} {}", reports.len(), expected.len());
