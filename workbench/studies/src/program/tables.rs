@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::output::{self, Output};
 use bearing_watch_studies::pages::tables::{conclusion, page};
-use bearing_watch_studies::tables::{Id, Settings, render, run as make, words};
+use bearing_watch_studies::tables::{Id, Settings, notes, render, run as make};
 use model::Error;
 use model::outputs::{plan, write_all};
 use model::session::Progress as _;
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &Args, output: Output) -> Result<(), Error> {
     let done = output.start("tables", settings.steps());
     let tables = make(&settings, || done(1))?;
 
-    let intro = words::intro(&settings);
+    let intro = notes::intro(&settings);
     let csv = output::csv(&render::tidy(&tables));
     let html = page(&settings, &intro, &tables);
     let written: Vec<_> = files

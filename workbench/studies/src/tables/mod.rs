@@ -3,23 +3,23 @@
 //! ```text
 //! seed ─► draw: traces, estimates (shared) ─► distributions 2.2, chapter3, chapter4, pieces ─► Table, a value per cell
 //!         once per repetition                 ours: training and verdicts of our method          │ absorb
-//!         published: as printed                                    words: notes ─► render ◄──────┘ mean ± sd
+//!         published: as printed                                           notes ─► render ◄──────┘ mean ± sd
 //! ```
 //!
 //! Each repetition draws a training and a validation set; no two sets share a trace. Standard deviations are those of
 //! one repetition, not of the mean, because the source made a single draw.
 
 mod chapters;
-mod chosen;
 pub mod draw;
+pub mod notes;
 pub mod ours;
 mod overview;
 pub mod published;
 pub mod recorded;
 pub mod render;
 pub mod result;
+mod selected_features;
 mod settings;
-pub mod words;
 
 pub use chapters::chapter5;
 use chapters::{chapter3, chapter4, distributions, pieces};
@@ -52,7 +52,7 @@ pub fn run(settings: &Settings, done: impl Fn()) -> Result<Vec<Table>, Error> {
         }
     }
     for table in &mut all {
-        table.words = words::of(table).into_iter().collect();
+        table.words = notes::of(table).into_iter().collect();
     }
     Ok(overview::of(&all).into_iter().chain(all).collect())
 }

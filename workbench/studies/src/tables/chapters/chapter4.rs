@@ -4,12 +4,12 @@ use bearing_watch::plan::Kind;
 
 use crate::demo::FirstInput;
 use crate::literal::{Judged, Rule, principal};
-use crate::tables::chosen::Chosen;
 use crate::tables::draw::{Draw, Model, choose};
 use crate::tables::ours;
 use crate::tables::published::{Simulation, written_order};
 use crate::tables::recorded::Selection;
 use crate::tables::result::{Cell, Column, Digits, Figure, Plane, PlaneClass, Row, Table};
+use crate::tables::selected_features::Chosen;
 use model::Error;
 use model::identify::Method;
 use model::train::{FeatureTable, ProjectionKind};

@@ -9,9 +9,9 @@ use bearing_watch::plan::Kind;
 
 use super::chapter4::LITERAL;
 use crate::ema::source::{self, Estimated};
-use crate::tables::chosen::Chosen;
 use crate::tables::published::written_order;
 use crate::tables::result::{Cell, Column, Digits, Row, Table};
+use crate::tables::selected_features::Chosen;
 use draw::Draw;
 use model::Error;
 use model::identify::Method;
