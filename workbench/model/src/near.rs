@@ -10,8 +10,7 @@ use std::path::Path;
 const MOST: usize = 12;
 
 /// "; did you mean …?", if a known word is near.
-#[must_use]
-pub fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
     nearest(word, known).first().map_or_else(String::new, |near| format!("; did you mean {near}?"))
 }
 

@@ -244,7 +244,7 @@ impl Plant {
     }
 
     /// Changes resistance and step size; the state does not change.
-    pub fn retune(&mut self, r_ohm: f64, step_s: f64) {
+    pub(crate) fn retune(&mut self, r_ohm: f64, step_s: f64) {
         if r_ohm == self.motor.r_ohm && step_s == self.step_s {
             return;
         }
@@ -261,7 +261,11 @@ impl Plant {
 
     /// Same as [`Plant::step`] for a torque with states of its own. `torque_nm` is called once at the start and once at
     /// the middle, in this order, so that these states can be integrated by the same midpoint rule.
-    pub fn step_staged(&mut self, voltage_v: f64, mut torque_nm: impl FnMut(Stage, &PlantState) -> f64) -> &PlantState {
+    pub(crate) fn step_staged(
+        &mut self,
+        voltage_v: f64,
+        mut torque_nm: impl FnMut(Stage, &PlantState) -> f64,
+    ) -> &PlantState {
         self.state = match &self.held {
             None => self.midpoint(voltage_v, torque_nm),
             Some(HeldSteps { half, full }) => {

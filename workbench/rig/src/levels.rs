@@ -43,8 +43,7 @@ impl SignalLevels {
 
 impl Scenario {
     /// This scenario with current and velocity noise `decibels` below the levels (1).
-    #[must_use]
-    pub fn with_signal_to_noise(self, levels: SignalLevels, decibels: f64) -> Self {
+    pub(crate) fn with_signal_to_noise(self, levels: SignalLevels, decibels: f64) -> Self {
         let ratio = libm::pow(10.0, -decibels / 20.0);
         Self {
             current_noise_a: levels.current_a * ratio, // (1)

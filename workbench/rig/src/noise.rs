@@ -206,7 +206,7 @@ impl CurrentFilter {
     }
 
     /// Changes the interval between updates.
-    pub const fn set_step(&mut self, step_s: f64) {
+    pub(crate) const fn set_step(&mut self, step_s: f64) {
         self.step_s = step_s;
     }
 

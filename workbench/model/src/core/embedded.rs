@@ -206,8 +206,7 @@ impl Embedded {
     }
 
     /// Mean of the values of a direction, with the weights of the segments of a run; `None` if they have none.
-    #[must_use]
-    pub fn mean_in_direction(&self, segments: &[SegmentReport], place: u8) -> Option<f64> {
+    pub(crate) fn mean_in_direction(&self, segments: &[SegmentReport], place: u8) -> Option<f64> {
         let within = f64::from(self.watched().get(usize::from(place))?.segment);
         let determined = segments.iter().filter(|segment| segment.verdict.is_ok());
         let values = determined.filter_map(|segment| segment.directed.get(usize::from(place)));

@@ -152,8 +152,7 @@ pub fn friction(name: &str) -> Option<&str> {
 
 /// All features of the shaft, in the order of [`Catalogue::shaft`]; those of a part without a result are missing.
 /// Without a measured load the torque constant is not estimated, and its features are constant.
-#[must_use]
-pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>, balance: &Balance) -> Vec<FeatureValue> {
+pub(crate) fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>, balance: &Balance) -> Vec<FeatureValue> {
     let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
     let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders), averaged: vec![] };
     let each = |(_, feature): &(String, Feature)| feature.value(plan, (None, Some((shaft, balance)), &[]));

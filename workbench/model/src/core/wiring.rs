@@ -166,7 +166,7 @@ impl Wiring {
     ///
     /// # Errors
     /// More channels than a detector can have.
-    pub fn core_channels<'a>(
+    pub(crate) fn core_channels<'a>(
         &self,
         traces: impl Iterator<Item = &'a Trace> + Clone,
         limit: f64,

@@ -74,8 +74,7 @@ impl Exchange {
     }
 
     /// p of a statistic that is larger the more the labels mean.
-    #[must_use]
-    pub fn p_value(&self, labels: &[usize], statistic: impl Fn(&[usize]) -> f64) -> f64 {
+    pub(crate) fn p_value(&self, labels: &[usize], statistic: impl Fn(&[usize]) -> f64) -> f64 {
         // Sums in another order may differ by rounding.
         let observed = statistic(labels) - 1e-12;
         let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -32,13 +32,12 @@ impl Confusion {
     }
 
     /// Counts of zero for decisions of so many groups.
-    #[must_use]
-    pub fn of_groups(classes: &[String], groups: usize) -> Self {
+    pub(crate) fn of_groups(classes: &[String], groups: usize) -> Self {
         Self { by_group: vec![zeros(classes.len()); groups], ..Self::new(classes) }
     }
 
     /// Counts one finding of a group.
-    pub fn add_of_group(&mut self, group: usize, truth: usize, finding: Option<Finding>) {
+    pub(crate) fn add_of_group(&mut self, group: usize, truth: usize, finding: Option<Finding>) {
         let column = self.column(finding);
         self.counts[truth][column] += 1;
         self.by_group[group][truth][column] += 1;

@@ -23,8 +23,7 @@ pub struct Judged<'a> {
 
 impl Judged<'_> {
     /// Whether a finding on a trace is right: its own class, or for a class that was not trained anything but healthy.
-    #[must_use]
-    pub fn is_right(&self, class: usize, finding: Option<Finding>) -> bool {
+    pub(crate) fn is_right(&self, class: usize, finding: Option<Finding>) -> bool {
         let healthy = self.healthy.map(Finding::Class);
         if class < self.trained { finding == Some(Finding::Class(class)) } else { finding != healthy }
     }

@@ -49,15 +49,13 @@ impl Rate {
     }
 
     /// Rate of all decisions of groups, given as (k, n) for each; the decisions of a group may be alike (3).
-    #[must_use]
-    pub fn clustered(groups: &[(usize, usize)]) -> Self {
+    pub(crate) fn clustered(groups: &[(usize, usize)]) -> Self {
         let weights: Vec<(f64, f64)> = groups.iter().map(|&(k, n)| (k as f64, n as f64)).collect();
         Self::clustered_of(&weights)
     }
 
     /// Same as [`Rate::clustered`] for decisions with weights of mean 1: sums of the weights.
-    #[must_use]
-    pub fn clustered_of(groups: &[(f64, f64)]) -> Self {
+    pub(crate) fn clustered_of(groups: &[(f64, f64)]) -> Self {
         let used: Vec<(f64, f64)> = groups.iter().filter(|(_, n)| *n > 0.0).copied().collect();
         let (k, n) = used.iter().fold((0.0, 0.0), |(k, n), group| (k + group.0, n + group.1));
         let squares: f64 = used.iter().map(|group| group.1 * group.1).sum();

@@ -41,8 +41,7 @@ impl Collective {
     }
 
     /// Where the figures do not hold.
-    #[must_use]
-    pub fn cautions(&self) -> Vec<String> {
+    pub(crate) fn cautions(&self) -> Vec<String> {
         let all = self.turns + self.without_load;
         let part = |turns: f64| Some(turns / all).filter(|part| *part > LITTLE).map(percent);
         let mut cautions = vec![];

@@ -80,14 +80,12 @@ impl Notes {
     }
 
     /// The same with the contents of the training traces.
-    #[must_use]
-    pub fn with_contents(self, contents: Vec<u32>) -> Self {
+    pub(crate) fn with_contents(self, contents: Vec<u32>) -> Self {
         Self { contents, ..self }
     }
 
     /// The same with the column that told the runs.
-    #[must_use]
-    pub fn with_group(self, group: Option<&String>) -> Self {
+    pub(crate) fn with_group(self, group: Option<&String>) -> Self {
         Self { group: group.cloned(), ..self }
     }
 

@@ -194,8 +194,7 @@ pub struct Groups {
 
 impl Groups {
     /// What intervals count: units, or runs without them.
-    #[must_use]
-    pub fn clusters(&self) -> Option<&[String]> {
+    pub(crate) fn clusters(&self) -> Option<&[String]> {
         self.units.as_deref().or(self.runs.as_deref())
     }
 
@@ -203,7 +202,7 @@ impl Groups {
     ///
     /// # Errors
     /// One is.
-    pub fn refuse_known(&self, trained: &[String]) -> Result<(), Error> {
+    pub(crate) fn refuse_known(&self, trained: &[String]) -> Result<(), Error> {
         let shared = self.units.iter().flatten().find(|unit| trained.contains(unit));
         shared.map_or(Ok(()), |unit| {
             let problem = format!("unit {unit} is both in training and in test; give other units to one of them");

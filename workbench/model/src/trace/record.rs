@@ -91,8 +91,7 @@ impl Trace {
     }
 
     /// Its first rows, or all of a shorter one.
-    #[must_use]
-    pub fn first_rows(&self, rows: usize) -> Self {
+    pub(crate) fn first_rows(&self, rows: usize) -> Self {
         let rows = rows.min(self.y.len());
         let part = |column: &Vec<f64>| column[..rows].to_vec();
         Self {

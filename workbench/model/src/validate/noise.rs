@@ -61,15 +61,13 @@ impl Noise {
     }
 
     /// L x, with zeros before the first sample.
-    #[must_use]
-    pub fn whiten(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn whiten(&self, x: &[f64]) -> Vec<f64> {
         let at = |t: usize| self.taps.iter().enumerate().take(t + 1).map(|(k, l)| l * x[t - k]).sum();
         (0..x.len()).map(at).collect()
     }
 
     /// L* x, with zeros after the last sample.
-    #[must_use]
-    pub fn whiten_backwards(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn whiten_backwards(&self, x: &[f64]) -> Vec<f64> {
         let at = |t: usize| self.taps.iter().zip(&x[t..]).map(|(l, x)| l * x).sum();
         (0..x.len()).map(at).collect()
     }

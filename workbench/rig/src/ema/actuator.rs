@@ -60,8 +60,7 @@ impl Actuator {
     }
 
     /// Travel per radian of the shaft (2).
-    #[must_use]
-    pub const fn metres_per_rad(&self) -> f64 {
+    pub(crate) const fn metres_per_rad(&self) -> f64 {
         self.lead_m / TAU // (2)
     }
 
@@ -73,14 +72,12 @@ impl Actuator {
     }
 
     /// Coefficient of the screw's friction (4).
-    #[must_use]
-    pub const fn screw_friction(&self) -> f64 {
+    pub(crate) const fn screw_friction(&self) -> f64 {
         1.0 / self.efficiency - 1.0 // (4)
     }
 
     /// The actuator at a temperature, 0 for cold and 1 for hot: R + 40 %, λ − 5 %.
-    #[must_use]
-    pub const fn at_temperature(self, state: f64) -> Self {
+    pub(crate) const fn at_temperature(self, state: f64) -> Self {
         Self { r_ohm: self.r_ohm * (1.0 + 0.4 * state), flux_wb: self.flux_wb * (1.0 - 0.05 * state), ..self }
     }
 

@@ -55,8 +55,7 @@ impl DriveSettings {
     };
 
     /// Largest magnitude of the voltage vector (5).
-    #[must_use]
-    pub fn voltage_limit_v(&self) -> f64 {
+    pub(crate) fn voltage_limit_v(&self) -> f64 {
         self.bus_v / 3.0_f64.sqrt() // (5)
     }
 
@@ -153,15 +152,14 @@ impl Controller {
     }
 
     /// The velocity command (1).
-    #[must_use]
-    pub fn position_loop(&self, position_ref_m: f64, position_m: f64) -> f64 {
+    pub(crate) fn position_loop(&self, position_ref_m: f64, position_m: f64) -> f64 {
         let limit = self.settings.velocity_limit_rad_s;
         let command = self.settings.position_gain_per_s * (position_ref_m - position_m) / self.metres_per_rad; // (1)
         command.clamp(-limit, limit)
     }
 
     /// The command of the q current (2).
-    pub fn velocity_loop(&mut self, velocity_ref_rad_s: f64, velocity_rad_s: f64) -> f64 {
+    pub(crate) fn velocity_loop(&mut self, velocity_ref_rad_s: f64, velocity_rad_s: f64) -> f64 {
         let DriveSettings { velocity_gain_a_s_per_rad: kp, velocity_integral_a_per_rad: ki, .. } = self.settings;
         let error = velocity_ref_rad_s - velocity_rad_s;
         let free = kp * error + self.velocity_a;

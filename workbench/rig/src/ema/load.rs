@@ -47,8 +47,7 @@ impl EmaLoad {
     }
 
     /// Stiffness of the springs, zero if there are none.
-    #[must_use]
-    pub const fn springs_n_per_m(&self) -> f64 {
+    pub(crate) const fn springs_n_per_m(&self) -> f64 {
         match self {
             Self::Sine { .. } | Self::Constant { .. } => 0.0,
             Self::Springs { stiffness_n_per_m } => *stiffness_n_per_m,
@@ -56,8 +55,7 @@ impl EmaLoad {
     }
 
     /// The external force without fluctuation; zero for springs.
-    #[must_use]
-    pub fn external_n(&self, t_s: f64) -> f64 {
+    pub(crate) fn external_n(&self, t_s: f64) -> f64 {
         match self {
             Self::Sine { amplitude_n, frequency_hz } => amplitude_n * libm::sin(TAU * frequency_hz * t_s),
             Self::Constant { force_n } => *force_n,

@@ -66,8 +66,7 @@ impl Resolver {
 
 impl ResolverValues {
     /// The measured angle of a shaft at this angle (1), not wrapped.
-    #[must_use]
-    pub fn measured_rad(&self, angle_rad: f64) -> f64 {
+    pub(crate) fn measured_rad(&self, angle_rad: f64) -> f64 {
         let waves = ERROR_ORDERS.iter().zip(self.error_rad);
         let error: f64 = waves.map(|(n, [amplitude, phase])| amplitude * libm::sin(n * angle_rad + phase)).sum();
         rounded(angle_rad + error, self.step_rad()) // (1)

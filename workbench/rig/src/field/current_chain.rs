@@ -106,8 +106,7 @@ impl CurrentChain {
 
 impl CurrentChainValues {
     /// The measured current (1); `current_a` is y and `noise_a` is n.
-    #[must_use]
-    pub fn measured_a(&self, current_a: f64, noise_a: f64, angle_rad: f64) -> f64 {
+    pub(crate) fn measured_a(&self, current_a: f64, noise_a: f64, angle_rad: f64) -> f64 {
         let ripple = self.ripple_a * libm::sin(RIPPLE_ORDER * angle_rad + self.ripple_phase_rad);
         let seen = self.gain * current_a + noise_a + self.offset_a + ripple;
         let counts = (seen / self.step_a).round();
@@ -116,8 +115,13 @@ impl CurrentChainValues {
     }
 
     /// The voltage (2) that the bridge applies if the controller commands `command_v`.
-    #[must_use]
-    pub fn applied_v(&self, command_v: f64, at: &PlantState, motor: &MotorParameters, electrical: Electrical) -> f64 {
+    pub(crate) fn applied_v(
+        &self,
+        command_v: f64,
+        at: &PlantState,
+        motor: &MotorParameters,
+        electrical: Electrical,
+    ) -> f64 {
         let current_a = match electrical {
             Electrical::BothStates => at.current_a,
             Electrical::QuasiStatic => {

@@ -60,8 +60,7 @@ impl Stribeck {
 
 impl StribeckValues {
     /// The magnitude of the friction at this velocity: (1) without the smoothed sign.
-    #[must_use]
-    pub fn magnitude_nm(&self, velocity_rad_s: f64) -> f64 {
+    pub(crate) fn magnitude_nm(&self, velocity_rad_s: f64) -> f64 {
         let ratio = velocity_rad_s / self.velocity_rad_s;
         self.coulomb_nm + (self.break_away_nm - self.coulomb_nm) * libm::exp(-ratio * ratio)
     }

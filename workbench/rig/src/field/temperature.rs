@@ -119,14 +119,12 @@ impl Temperature {
 
 impl TemperatureValues {
     /// Factor of R at time `t_s`, relative to the start of the record (5).
-    #[must_use]
-    pub fn resistance_at(&self, t_s: f64) -> f64 {
+    pub(crate) fn resistance_at(&self, t_s: f64) -> f64 {
         1.0 + self.warm_up_resistance * self.warmth(t_s)
     }
 
     /// Factor of B at time `t_s`, relative to the start of the record (5).
-    #[must_use]
-    pub fn viscous_at(&self, t_s: f64) -> f64 {
+    pub(crate) fn viscous_at(&self, t_s: f64) -> f64 {
         1.0 - self.warm_up_viscous * self.warmth(t_s)
     }
 
@@ -138,8 +136,7 @@ impl TemperatureValues {
     }
 
     /// Recorded temperature at these times, °C (6).
-    #[must_use]
-    pub fn measured_c(&self, times_s: &[f64], mut source: NoiseSource) -> Vec<f64> {
+    pub(crate) fn measured_c(&self, times_s: &[f64], mut source: NoiseSource) -> Vec<f64> {
         let [cold, hot] = RANGE_C;
         let rise = |t_s: f64| {
             if self.viscous_slope == 0.0 { 0.0 } else { libm::log(self.viscous_at(t_s)) / self.viscous_slope }

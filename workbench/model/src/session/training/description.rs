@@ -35,8 +35,7 @@ pub fn built(trained: &Trained, bytes: usize, place: &str) -> [String; 2] {
 }
 
 /// Describes the estimation method and its memory in words.
-#[must_use]
-pub fn estimated_by(trained: &Trained) -> String {
+pub(crate) fn estimated_by(trained: &Trained) -> String {
     let Some((layout, regression)) = &trained.parts.regression else { return "nothing".into() };
     let nominal = &trained.classes[trained.recipe.estimation.nominal];
     let method = match layout.method {
@@ -224,8 +223,7 @@ fn by_run(trained: &Trained, gate: &Gate, runs: &RunSpread) -> String {
 }
 
 /// Returns the covariates and what they explain as JSON; null without covariates.
-#[must_use]
-pub fn covariates_to_json(trained: &Trained) -> Value {
+pub(crate) fn covariates_to_json(trained: &Trained) -> Value {
     let Some(explained) = &trained.explained else { return Value::Null };
     let coefficient = |own: &Coefficient| json!({ "value": own.value, "standard_error": own.error });
     let feature = |(k, name): (usize, &String)| {

@@ -42,8 +42,7 @@ impl Settings {
 
 impl Settings {
     /// Whether training chooses the features of a shaft: those that a user names, or mixes, are his choice.
-    #[must_use]
-    pub fn chooses_features(&self) -> bool {
+    pub(crate) fn chooses_features(&self) -> bool {
         let model = &self.model;
         let mixed = model.projection.unwrap_or_default() != Projection::None;
         model.features.is_empty() && model.rising.is_empty() && !mixed

@@ -119,8 +119,7 @@ pub struct Automatic {
 
 impl Automatic {
     /// Why the covariates are left out, if recipes with them are not clearly better.
-    #[must_use]
-    pub fn without_covariates(&self) -> Option<String> {
+    pub(crate) fn without_covariates(&self) -> Option<String> {
         let with = self.rivals.iter().any(|own| !own.covariates.is_empty());
         let why = if self.by_classes { "decisions are as good" } else { "defects as small are found" };
         (with && self.winner().covariates.is_empty()).then(|| format!("{why} without it"))

@@ -138,8 +138,7 @@ impl Scores {
     }
 
     /// Same as [`Scores::new`], with the group (run, drive) of each prediction.
-    #[must_use]
-    pub fn by_group(predictions: &[Prediction], priors: &[f64], groups: &[usize]) -> Self {
+    pub(crate) fn by_group(predictions: &[Prediction], priors: &[f64], groups: &[usize]) -> Self {
         let mut sums = BTreeMap::<usize, (f64, f64)>::new();
         for (prediction, group) in predictions.iter().zip(groups) {
             let sum = sums.entry(*group).or_default();
@@ -153,8 +152,7 @@ impl Scores {
     /// Computes the scores of the embedded detector's verdicts; for an undetermined verdict the posteriors are the
     /// priors. The single-precision posteriors are limited from below to the smallest normal number, e^−87. Traces of
     /// classes without a prior, which were not trained, do not count.
-    #[must_use]
-    pub fn of_verdicts(verdicts: &[TraceVerdict], priors: &[f64], per_segment: bool) -> Self {
+    pub(crate) fn of_verdicts(verdicts: &[TraceVerdict], priors: &[f64], per_segment: bool) -> Self {
         let prediction = |truth: usize, decided: Option<usize>, posteriors: &[f32]| {
             let log_posteriors = match decided {
                 Some(_) => posteriors.iter().map(|p| f64::from(p.max(f32::MIN_POSITIVE)).ln()).collect(),
@@ -177,7 +175,7 @@ impl Scores {
     }
 
     /// Adds the keys `log_score`, `brier_score`, `expected_calibration_error`.
-    pub fn add_to(&self, value: &mut Value) {
+    pub(crate) fn add_to(&self, value: &mut Value) {
         let Decomposition { reliability, resolution, uncertainty } = self.decomposition;
         value["log_score"] = self.log.to_json();
         value["brier_score"] = self.brier.to_json();

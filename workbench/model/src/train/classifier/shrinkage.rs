@@ -36,8 +36,7 @@ pub enum Shrink {
 
 impl Shrinkage {
     /// Returns whether all classes have one covariance.
-    #[must_use]
-    pub fn is_shared(self) -> bool {
+    pub(crate) fn is_shared(self) -> bool {
         self.lambda >= 1.0
     }
 

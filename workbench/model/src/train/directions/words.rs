@@ -35,8 +35,7 @@ impl Directions {
     }
 
     /// In which directions too few runs of a drive follow each other to know how long offsets last.
-    #[must_use]
-    pub fn unordered(&self, names: &[String]) -> Option<String> {
+    pub(crate) fn unordered(&self, names: &[String]) -> Option<String> {
         let unknown = self.list.iter().filter(|direction| direction.levels.correlation.is_none());
         let words: Vec<String> = unknown.map(|direction| direction.words(names)).collect();
         (!words.is_empty()).then(|| {

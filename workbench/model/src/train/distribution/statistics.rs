@@ -133,8 +133,7 @@ impl ClassStatistics {
     }
 
     /// Returns the moments of the coordinates by this map, which are in `coordinates`.
-    #[must_use]
-    pub fn mapped(&self, map: &AffineMap, coordinates: &FeatureTable) -> Self {
+    pub(crate) fn mapped(&self, map: &AffineMap, coordinates: &FeatureTable) -> Self {
         // A coordinate that is missing has lost what its other features contribute; the moments have it.
         if coordinates.is_exact() { Self::new(coordinates) } else { self.map(map) }
     }

@@ -22,7 +22,7 @@
 //! u and covariance I − Λ.
 //!
 //! (1) is found for normally distributed features; tails that are heavier are in the law of the distance already. It
-//! uses the saddle-point approximation of P ([`super::laws::spread`]), whose relative error is below 5 %.
+//! uses the saddle-point approximation of P ([`super::spread`]), whose relative error is below 5 %.
 
 use bearing_watch::model::KNOTS;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

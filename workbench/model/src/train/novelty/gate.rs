@@ -63,8 +63,7 @@ impl Gate {
 
     /// The least rate that is known from counts, without the law of the distances: one in the number of segments, or of
     /// runs with the next one, which is the farthest of all in one of so many cases.
-    #[must_use]
-    pub fn least_counted_rate(&self) -> f64 {
+    pub(crate) fn least_counted_rate(&self) -> f64 {
         self.runs.as_ref().map_or_else(|| 1.0 / self.rows.max(1) as f64, |runs| 1.0 / (runs.count as f64 + 1.0))
     }
 

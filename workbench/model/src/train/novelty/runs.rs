@@ -20,7 +20,7 @@
 //! that happen to be alike would have too small an S and too large an f at the same time; λ is therefore the upper 90 %
 //! confidence limit of the part of the variance that is between runs. In simulations the mean rate is never more than
 //! 1.5 times the set one; at few runs it is lower. With one segment in each run, (4) is Hotelling's law of k segments.
-//! Heavy tails of the segments within runs are considered as in [`super::laws::law`].
+//! Heavy tails of the segments within runs are considered as in [`super::law`].
 //!
 //! Values with errors or missing values: ȳ_i and W are those of `crate::train::distribution::moments` with the runs as classes. The
 //! means then have larger errors than Σ_e/n_i and B is larger, so that S is too large rather than too small.

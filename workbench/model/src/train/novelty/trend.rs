@@ -18,8 +18,7 @@ pub struct Drift {
 impl Drift {
     /// Returns the number of runs after the last training run in which the drift of `count` runs reaches a distance
     /// (6).
-    #[must_use]
-    pub fn runs_to(&self, distance: f64, count: usize) -> f64 {
+    pub(crate) fn runs_to(&self, distance: f64, count: usize) -> f64 {
         let k = count as f64;
         0.5 * (k + 1.0) * distance * self.distance.hypot(1.0) / self.distance - 0.5 * (k - 1.0)
     }

@@ -32,8 +32,7 @@ impl FeatureTable {
     ///
     /// The features of such rows scatter with their errors, whose correlations a covariance of the rows contains and
     /// a variance does not. An error below the usual one counts as usual.
-    #[must_use]
-    pub fn with_usual_errors(mut self) -> Self {
+    pub(crate) fn with_usual_errors(mut self) -> Self {
         for feature in 0..self.rows.first().map_or(0, DVector::len) {
             let own = self.variances.iter().map(|variance| variance[feature]).filter(|v| v.is_finite());
             let mut sorted: Vec<f64> = own.collect();

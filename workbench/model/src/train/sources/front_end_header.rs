@@ -19,7 +19,11 @@ const MAX_FURTHER: usize = 6;
 ///
 /// # Errors
 /// A model with a channel that is a difference of columns, or with more further channels than the C interface takes.
-pub fn front_end_header(model: &Model<RunTime>, recorded: &Channels, file: &FrontEndFile) -> Result<String, Error> {
+pub(crate) fn front_end_header(
+    model: &Model<RunTime>,
+    recorded: &Channels,
+    file: &FrontEndFile,
+) -> Result<String, Error> {
     further_columns(model, recorded, "--c")?;
     let names = further_channels(model);
     if names.len() > MAX_FURTHER {

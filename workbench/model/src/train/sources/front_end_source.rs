@@ -172,8 +172,7 @@ fn reading(model: &Model<RunTime>, file: &FrontEndFile) -> Vec<String> {
 }
 
 /// The channels of a model that the front end takes as further ones, in their order.
-#[must_use]
-pub fn further_channels(model: &Model<RunTime>) -> Vec<&str> {
+pub(crate) fn further_channels(model: &Model<RunTime>) -> Vec<&str> {
     model.constants().channels.iter().filter(|channel| !own(channel)).map(|channel| channel.name.as_str()).collect()
 }
 

@@ -92,8 +92,7 @@ impl DistanceLaw {
     }
 
     /// Returns the probability that the features are Gaussian, among the laws considered.
-    #[must_use]
-    pub fn gaussian_probability(&self) -> f64 {
+    pub(crate) fn gaussian_probability(&self) -> f64 {
         self.parts[0].0
     }
 
