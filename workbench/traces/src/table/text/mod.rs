@@ -30,6 +30,7 @@ use plain::{Failure, Form, Source};
 
 pub use quoted::csv_error;
 
+#[cfg(feature = "matlab")]
 pub(super) use cells::with_unit;
 pub(super) use encoding::packed;
 

@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn rates_and_steps_are_read_in_any_notation() {
         use Mark::{Comma, Point, Unknown};
-        let cases: [(&str, Mark, &[f64]); 47] = [
+        let cases: [(&str, Mark, &[f64]); 63] = [
             ("Sample Rate,2000", Unknown, &[2000.0]),
             (";Sample rate,100000", Unknown, &[1e5]),
             ("# fs = 20 kHz", Unknown, &[2e4]),
@@ -297,7 +297,19 @@ mod tests {
             ("Sampling rate (samples/s):;8000", Unknown, &[8000.0]),
             ("Fs: 8000 Samples per second", Unknown, &[8000.0]),
             ("\"Sample rate: 8000 Hz\"", Unknown, &[8000.0]),
+            ("fs = 12,5 kHz", Point, &[12_500.0]),
+            ("fs = 1.250.000", Unknown, &[1.25e6]),
+            ("fs = 1.250,5", Point, &[1250.5]),
+            ("fs = 1,250.5", Unknown, &[1250.5]),
+            ("fs = 10\u{202f}000,5", Comma, &[10_000.5]),
+            ("fs = 51\u{a0}200", Point, &[51_200.0]),
+            ("fs = 2e4Hz", Unknown, &[2e4]),
+            ("dt = 1,250E-4 s", Unknown, &[8000.0]),
+            ("Sample rate: 2000 2000 2000", Unknown, &[2000.0]),
+            ("Sample rate;2000 Hz;;2000 Hz", Unknown, &[2000.0]),
+            ("Sample rate;2000;Hz;Channels;3", Unknown, &[2000.0]),
             // Two readings.
+            ("fs = 8.000", Point, &[8.0, 8000.0]),
             ("Abtastrate;8.000", Unknown, &[8.0, 8000.0]),
             ("Abtastrate;50,000 Hz", Comma, &[50.0, 50_000.0]),
             ("Sampling time;0.1", Point, &[10.0, 1e4]),
@@ -306,6 +318,10 @@ mod tests {
             ("Period,1SEC", Unknown, &[]),
             ("Rated speed,3000", Unknown, &[]),
             ("Sample Rate,unknown", Unknown, &[]),
+            ("fs = 1.2.3", Unknown, &[]),
+            ("fs = 1,25,5", Unknown, &[]),
+            ("Sample rate,12,5,kHz", Unknown, &[]),
+            ("Sample rate: 17:18:18", Unknown, &[]),
             ("Sample rate;2000;8000", Unknown, &[]),
             ("Sample rate;8 kFoo", Unknown, &[]),
             ("Sample rate: 8000 Hz / 4", Unknown, &[]),

@@ -144,33 +144,3 @@ pub(super) fn unit_of(text: &str) -> Option<(Scale, &str)> {
     let ends: Vec<usize> = text.match_indices([' ', '(', ',']).map(|(at, _)| at).chain([text.len()]).take(4).collect();
     ends.iter().rev().find_map(|end| Some((scale(&text[..*end])?, text[*end..].trim_start())))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn of(rest: &str) -> Result<Vec<f64>, &'static str> {
-        let all = values(rest, Mark::Unknown)?;
-        Ok(all.into_iter().flat_map(|value| value.numbers).map(|number| number.value).collect())
-    }
-
-    #[test]
-    fn values_of_channels_are_one_or_are_refused() {
-        for (rest, expected) in [
-            (";2000;2000;2000", Ok(vec![2000.0])),
-            (",2000,2000", Ok(vec![2000.0])),
-            (": 2000 2000 2000", Ok(vec![2000.0])),
-            (";2000 Hz;;2000 Hz", Ok(vec![2000.0])),
-            (": 8000 Hz, 16 bit, 3 channels", Ok(vec![8000.0])),
-            (";2000;Hz;Channels;3", Ok(vec![2000.0])),
-            (";2000;8000", Err("its channels have different rates")),
-            (",10,000", Ok(vec![10.0, 10_000.0])),
-            (",12,500", Err("a comma in it separates channels, thousands or decimals")),
-            (",12,5,kHz", Err("a comma in it separates channels, thousands or decimals")),
-            (";8;kFoo/s", Err("its unit is not known")),
-            (": 17:18:18", Ok(vec![])),
-        ] {
-            assert_eq!(of(rest), expected, "{rest}");
-        }
-    }
-}
