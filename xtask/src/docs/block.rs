@@ -96,20 +96,12 @@ mod tests {
         let new = replace(TEXT, &block)?;
         assert_eq!(new, TEXT.replace("old", "new\nlines"));
         assert_eq!(find(&new, &block)?, block.lines);
-        Ok(())
-    }
-
-    #[test]
-    fn a_block_without_a_start_or_an_end_is_refused() {
         assert!(find(TEXT, &Block::new("x.md", "two", "")).is_err());
-        assert!(find(&TEXT.replace("<!-- end -->\n", ""), &Block::new("x.md", "one", "")).is_err());
-        assert!(names(&format!("{END}\n{TEXT}")).is_err());
-        assert_eq!(names(TEXT).ok(), Some(vec!["one".to_owned()]));
-    }
-
-    #[test]
-    fn printed_blocks_are_collected() {
+        assert!(
+            find(&TEXT.replace("<!-- end -->\n", ""), &block).is_err() && names(&format!("{END}\n{TEXT}")).is_err()
+        );
         let lines: Vec<String> = format!("noise\n{TEXT}more\n").lines().map(ToOwned::to_owned).collect();
         assert_eq!(printed(&lines, "x.md"), [Block::new("x.md", "one", "old")]);
+        Ok(())
     }
 }

@@ -80,33 +80,17 @@ fn number_length(text: &str) -> usize {
 mod tests {
     use super::*;
 
-    fn differ(old: &str, new: &str, tolerance: Tolerance) -> bool {
-        difference(&[old.to_owned()], &[new.to_owned()], tolerance).is_some()
-    }
-
-    #[test]
-    fn numbers_are_cut_from_text() {
-        assert_eq!(
-            pieces("LS 5 / 8.25 | 1.2e-3 | 2e+06, 7e"),
-            ["LS ", "5", " / ", "8.25", " | ", "1.2e-3", " | ", "2e+06", ", ", "7", "e"]
-        );
-    }
-
     #[test]
     fn numbers_have_a_tolerance_and_text_has_none() {
+        let differ = |old: &str, new: &str, tolerance| difference(&[old.into()], &[new.into()], tolerance).is_some();
+        assert_eq!(pieces("LS 5 / 8.25 | 1.2e-3, 7e"), ["LS ", "5", " / ", "8.25", " | ", "1.2e-3", ", ", "7", "e"]);
         let close = Tolerance::Within(0.05);
         assert!(!differ("| a | 100 |", "| a | 104 |", close) && differ("| a | 100 |", "| a | 106 |", close));
         assert!(differ("| a | 100 |", "| b | 100 |", close) && differ("| a | 100 |", "| a | 100 | 1 |", close));
         assert!(differ("| a | 100 |", "| a | 104 |", Tolerance::Exact));
         assert!(!differ("| a | 1.5 ms |", "| a | 27 ms |", Tolerance::Any));
-        assert!(differ("| a | 1.5 ms |", "| a | – |", Tolerance::Any));
-    }
-
-    #[test]
-    fn a_missing_line_is_a_difference_and_long_ones_are_cut() {
         let many: Vec<String> = (0..20).map(|k| format!("line {k}")).collect();
         let text = difference(&many, &[], Tolerance::Exact).unwrap_or_default();
         assert!(text.starts_with("- line 0\n") && text.ends_with("… and 14 more lines"), "{text}");
-        assert_eq!(difference(&many, &many, Tolerance::Exact), None);
     }
 }

@@ -9,6 +9,12 @@ use sha2::{Digest, Sha256};
 
 use crate::workspace;
 
+/// The version of all packages.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The file of sums, which `sha256sum --check` reads.
+const SUMS: &str = "SHA256SUMS";
+
 /// The folder of artefacts.
 pub fn folder() -> Result<PathBuf> {
     let folder = workspace::target_dir().join("dist");
@@ -16,72 +22,68 @@ pub fn folder() -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Removes artefacts of earlier runs whose names end so.
-pub fn remove(endings: &[&str]) -> Result<()> {
-    for file in files(&folder()?)? {
-        if endings.iter().any(|ending| file.to_string_lossy().ends_with(ending)) {
-            fs::remove_file(&file)?;
-        }
+/// The artefacts whose names start and end so, sorted.
+fn files(start: &str, end: &str) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in folder()?.read_dir()? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        files.extend((name != SUMS && name.starts_with(start) && name.ends_with(end)).then(|| entry.path()));
     }
-    Ok(())
+    files.sort();
+    Ok(files)
+}
+
+/// Removes artefacts of earlier runs.
+pub fn remove(start: &str, end: &str) -> Result<()> {
+    files(start, end)?.iter().try_for_each(|file| Ok(fs::remove_file(file)?))
 }
 
 /// The one artefact whose name starts and ends so.
 pub fn find(start: &str, end: &str) -> Result<PathBuf> {
-    let name = |file: &PathBuf| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let mut found = files(&folder()?)?;
-    found.retain(|file| name(file).starts_with(start) && name(file).ends_with(end));
-    found.pop().with_context(|| format!("there is no {start}…{end} in target/dist"))
+    files(start, end)?.pop().with_context(|| format!("there is no {start}…{end} in target/dist"))
 }
 
-/// Name, bytes and SHA-256 of all files of a folder, as a table and as the lines of `sha256sum`.
-pub fn tables(folder: &Path) -> Result<(String, String)> {
-    let (mut table, mut sums) = (format!("{:64} {:>10}  {}\n", "artefact", "bytes", "sha256"), String::new());
-    for file in files(folder)? {
+/// Name, bytes and SHA-256 of all artefacts, as a table; also writes the file of sums.
+pub fn table() -> Result<String> {
+    let (mut table, mut sums) = (format!("{:64} {:>10}  sha256\n", "artefact", "bytes"), String::new());
+    for file in files("", "")? {
         let bytes = fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
         let _string_grows = writeln!(table, "{name:64} {:>10}  {hash}", bytes.len());
         let _string_grows = writeln!(sums, "{hash}  {name}");
     }
-    Ok((table, sums))
+    fs::write(folder()?.join(SUMS), sums)?;
+    Ok(table)
 }
 
-/// The files of a folder but the list of their sums, sorted.
-fn files(folder: &Path) -> Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    for entry in folder.read_dir().with_context(|| format!("no folder {}", folder.display()))? {
-        let path = entry?.path();
-        if path.is_file() && !path.ends_with(SUMS) {
-            files.push(path);
-        }
-    }
-    files.sort();
-    Ok(files)
-}
-
-/// The file of sums, which `sha256sum --check` reads.
-pub const SUMS: &str = "SHA256SUMS";
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_table_has_bytes_and_sum_of_each_file() -> Result<()> {
-        let folder = std::env::temp_dir().join(format!("bearing-watch-dist-{}", std::process::id()));
-        fs::create_dir_all(&folder)?;
-        fs::write(folder.join("b.txt"), "abc")?;
-        fs::write(folder.join("a.txt"), "")?;
-        fs::write(folder.join(SUMS), "no artefact")?;
-        let (table, sums) = tables(&folder)?;
+/// A copy of the tree in a folder of `target`, whose workspace has these members besides the package of its root: for
+/// programs that write beside manifests, or whose results other packages would change.
+pub fn copy_of_tree(name: &str, members: &[String]) -> Result<PathBuf> {
+    let (root, folder) = (workspace::root(), workspace::target_dir().join(name).join("source"));
+    if folder.exists() {
         fs::remove_dir_all(&folder)?;
-        // The test vectors of FIPS 180-2.
-        let (empty, abc) = ("e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855", "ba7816bf8f01cfea");
-        assert!(sums.starts_with(&format!("{empty}  a.txt\n{abc}")) && sums.ends_with("  b.txt\n"), "{sums}");
-        let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split_whitespace().collect()).collect();
-        assert_eq!(rows.len(), 3);
-        assert_eq!(rows[2][..2], ["b.txt", "3"]);
-        Ok(())
     }
+    for name in crate::cargo::files()? {
+        let to = folder.join(&name);
+        fs::create_dir_all(to.parent().unwrap_or(&folder))?;
+        fs::copy(root.join(&name), &to).with_context(|| format!("cannot copy {name}"))?;
+    }
+    set_members(&folder, members)?;
+    Ok(folder)
+}
+
+/// Changes the members of a copy's workspace.
+pub fn set_members(copy: &Path, members: &[String]) -> Result<()> {
+    let text = fs::read_to_string(copy.join("Cargo.toml"))?;
+    let line = |line: &str| match line.split_once(" = ").map(|(key, _)| key) {
+        Some("members") => format!("members = {members:?}\n"),
+        Some("default-members") => "default-members = [\".\"]\n".to_owned(),
+        _ => format!("{line}\n"),
+    };
+    fs::write(copy.join("Cargo.toml"), text.lines().map(line).collect::<String>())?;
+    // The versions of the tree, of which the members before may have kept some only.
+    fs::copy(workspace::root().join("Cargo.lock"), copy.join("Cargo.lock"))?;
+    Ok(())
 }

@@ -1,59 +1,35 @@
 //! `cargo xtask release`: everything that is published, made and tested without publishing it.
-//!
-//! ```text
-//! packages      the crates for crates.io, each built alone from what its package has
-//! c             the archive of the C library, and its ways into empty projects: archive, description, user
-//! wheel         source distribution, the wheel that is built from it, and its way into an empty environment
-//! sbom          bills of materials in the format of CycloneDX
-//! interface     the public interface beside that of the last release
-//! features      combinations of features on the host and on chips
-//! oldest        lowest versions of the dependencies; lowest version of the compiler
-//! dependencies  licences, sources, advisories
-//! ```
 
 mod archive;
-mod arduino;
-mod copy;
-mod description;
+mod crates;
 mod dist;
-mod features;
-mod interface;
-mod manifests;
 mod notices;
-mod oldest;
-mod packages;
-mod platformio;
-mod riscv;
-mod sbom;
-mod user;
+mod projects;
 mod wheel;
-mod zephyr;
 
-use std::fs;
 use std::process::Command;
 
 use anyhow::Result;
 use clap::ValueEnum;
 
-use crate::stages::Stages;
-use crate::tally::Tally;
-use crate::toolchain::Way;
-use crate::{child, dependencies, workspace};
+use crate::firmware::way::Way;
+use crate::report::{Stages, Tally};
+use crate::{child, test, workspace};
 
 /// What is released or checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Part {
-    /// The crates for crates.io.
+    /// The crates for crates.io, each built alone from what its package has.
     Packages,
-    /// The archive of the C library.
+    /// The archive of the C library, and its ways into empty projects.
     C,
-    /// Source distribution and wheel of the Python package.
+    /// Source distribution and wheel of the Python package, and its way into an empty environment.
     Wheel,
-    /// Bills of materials.
+    /// Bills of materials in the format of CycloneDX.
     Sbom,
     /// The public interface, compared with that of the last release.
     Interface,
-    /// Combinations of features.
+    /// Combinations of features on the host and on chips.
     Features,
     /// Lowest versions of dependencies and compiler.
     Oldest,
@@ -75,17 +51,13 @@ pub struct Options {
 /// Makes and checks the parts, prints the table of artefacts; whether nothing failed.
 pub fn run(options: &Options, way: Way) -> Result<bool> {
     let mut stages = Stages::default();
-    let parts = if options.parts.is_empty() { Part::value_variants() } else { &options.parts };
-    for part in parts {
+    for part in if options.parts.is_empty() { Part::value_variants() } else { &options.parts } {
         let name = part.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
         stages.stage(&name, |tally| check(*part, tally, way, options.baseline.as_deref()));
     }
-    let (table, sums) = dist::tables(&dist::folder()?)?;
-    fs::write(dist::folder()?.join(dist::SUMS), sums)?;
-    println!("\n{table}");
-    if !child::output(Command::new("git").args(["status", "--porcelain"]).current_dir(workspace::root()))
-        .is_some_and(|changes| changes.is_empty())
-    {
+    println!("\n{}", dist::table()?);
+    let status = child::output(Command::new("git").args(["status", "--porcelain"]).current_dir(workspace::root()));
+    if !status.is_some_and(|changes| changes.is_empty()) {
         println!("not a release: the tree has changes that are not committed");
     }
     Ok(stages.end())
@@ -93,29 +65,20 @@ pub fn run(options: &Options, way: Way) -> Result<bool> {
 
 fn check(part: Part, tally: &mut Tally, way: Way, baseline: Option<&str>) {
     match part {
-        Part::Packages => packages::checks(tally),
-        Part::C => archive::checks(tally, way),
-        Part::Wheel => wheel::checks(tally),
-        Part::Sbom => sbom::checks(tally),
-        Part::Interface => interface::checks(tally, baseline),
-        Part::Features => features::checks(tally, way),
-        Part::Oldest => oldest::checks(tally),
-        Part::Dependencies => dependencies::checks(tally),
+        Part::Packages => tally.check("packages, each built alone", crates::packages()),
+        Part::C => {
+            let made = archive::make(way);
+            let there = made.is_ok();
+            tally.check("archive of the C library", made.map(|path| path.display().to_string()));
+            if there {
+                projects::checks(tally);
+            }
+        }
+        Part::Wheel => tally.check("source distribution, and its wheel in an empty environment", wheel::check()),
+        Part::Sbom => crates::bills(tally),
+        Part::Interface => crates::interface(tally, baseline),
+        Part::Features => crates::features(tally, way),
+        Part::Oldest => crates::oldest(tally),
+        Part::Dependencies => test::dependencies(tally),
     }
 }
-
-/// The version of all packages.
-pub const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// The packages for crates.io.
-pub const PUBLIC: [&str; 9] = [
-    "bearing-watch",
-    "bearing-watch-c",
-    "bearing-watch-fleet",
-    "bearing-watch-model",
-    "bearing-watch-pages",
-    "bearing-watch-rig",
-    "bearing-watch-studies",
-    "bearing-watch-traces",
-    "bearing-watch-workbench",
-];

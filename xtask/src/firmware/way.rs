@@ -1,0 +1,64 @@
+//! Two ways to a compiler for the drive's chip, and the choice between them.
+
+use std::env;
+use std::fmt;
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+
+use super::board::DRIVE;
+use crate::cargo::rustc;
+use crate::child;
+use crate::setup::{self, Need};
+
+/// Names the way where no argument does.
+const VARIABLE: &str = "BEARING_WATCH_FIRMWARE";
+
+/// How firmware is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Way {
+    /// The user's own toolchain, with the target's library installed by rustup.
+    Rustup,
+    /// Debian's packages: compiler, library source (core is built with the firmware) and linker.
+    Debian,
+}
+
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if *self == Self::Rustup { "rustup" } else { "debian" })
+    }
+}
+
+impl Way {
+    /// The way that was asked for, else the one the environment names, else one that is installed, else one that can be.
+    pub fn choose(asked: Option<Self>) -> Result<Self> {
+        let named = env::var(VARIABLE).ok().filter(|name| !name.is_empty());
+        match (asked, named) {
+            (Some(way), _) => Ok(way),
+            (None, Some(name)) => Self::from_str(&name, true).map_err(|error| anyhow::anyhow!("{VARIABLE}: {error}")),
+            (None, None) if Self::Rustup.hindrance(DRIVE.target).is_none() => Ok(Self::Rustup),
+            (None, None) if child::on_path("apt-get") || setup::is_ready(&setup::COMPILER) => Ok(Self::Debian),
+            (None, None) => bail!("no compiler library for {}; {}", DRIVE.target, setup::COMPILER.elsewhere),
+        }
+    }
+
+    /// What building and running firmware this way need.
+    pub fn needs(self) -> Result<Vec<&'static Need>> {
+        match (self, self.hindrance(DRIVE.target)) {
+            // Left to the user: it changes their toolchain.
+            (_, Some(hindrance)) => bail!("the target {} is not installed; {hindrance}", DRIVE.target),
+            (Self::Rustup, None) => Ok(vec![&setup::EMULATOR]),
+            (Self::Debian, None) => Ok(vec![&setup::COMPILER, &setup::EMULATOR]),
+        }
+    }
+
+    /// Why this way can't build for a target at present; nothing where it can. The target's library is looked for in
+    /// the file system, because rustup's own commands may start to download.
+    pub fn hindrance(self, target: &str) -> Option<String> {
+        let installed = || {
+            rustc().is_ok_and(|(_, sysroot)| Path::new(&sysroot).join("lib/rustlib").join(target).join("lib").is_dir())
+        };
+        (self == Self::Rustup && !installed()).then(|| format!("run rustup target add {target}"))
+    }
+}

@@ -1,0 +1,126 @@
+//! The stages on this machine: format, lints, documentation, tests of Rust, and the Python package.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::cargo::{self, cargo};
+use crate::python::{self, pip};
+use crate::report::{Libtest, Pytest, Tally};
+use crate::{child, workspace};
+
+/// Success without a word of praise, since the program has printed its own.
+fn silent(command: &mut Command) -> Result<&'static str> {
+    let status = child::lines(command, |line| println!("{line}"))?;
+    ensure!(status.success(), "{status}");
+    Ok("")
+}
+
+pub fn format(tally: &mut Tally) {
+    for manifest in ["Cargo.toml", "frameworks/Cargo.toml", "template/Cargo.toml"] {
+        let mut cargo = cargo(&["fmt", "--all", "--check", "--manifest-path", manifest]);
+        tally.check(&format!("cargo fmt, {manifest}"), silent(&mut cargo));
+    }
+}
+
+pub fn lints(tally: &mut Tally) {
+    let mut cargo = cargo(&["clippy", "--workspace", "--all-targets", "--all-features"]);
+    tally.check("cargo clippy", silent(cargo.args(["--", "--deny", "warnings"])));
+}
+
+pub fn documentation(tally: &mut Tally) {
+    // With the features of the lints, whose metadata of dependencies it uses again.
+    let mut cargo = cargo(&["doc", "--workspace", "--no-deps", "--all-features"]);
+    let flags = env::var("RUSTDOCFLAGS").unwrap_or_default();
+    tally.check("cargo doc", silent(cargo.env("RUSTDOCFLAGS", format!("{flags} -Dwarnings"))));
+    tally.check("mdbook", python::book().map(|_| ""));
+}
+
+/// With overflow and debug checks on; the development profile is optimised, since the numeric tests simulate minutes
+/// of drive time. What passing tests print is shown: their figures, and which data they had to do without. Without the
+/// examples, which have no tests: clippy has read them, and those that are needed are built later.
+pub fn tests(tally: &mut Tally, kinds: &[&str]) {
+    for kind in kinds {
+        let mut cargo = cargo(&["test", "--workspace", kind, "--no-fail-fast", "--", "--show-output"]);
+        let (before, mut report) = (tally.failed, Libtest::default());
+        let status = child::lines(&mut cargo, |line| {
+            println!("{line}");
+            report.read(line, tally);
+        });
+        // The tests that failed are counted already.
+        if !matches!(&status, Ok(status) if status.success() || tally.failed > before) {
+            let outcome = status.and_then(|status| Err::<&str, _>(anyhow::anyhow!("{status}")));
+            tally.check(&format!("cargo test {kind}"), outcome);
+        }
+    }
+}
+
+/// The Python package as a wheel, its tests, and its types.
+pub fn python(tally: &mut Tally) {
+    let ready = match environment() {
+        Ok(python) => python,
+        Err(reason) => return tally.missing("Python package", &format!("{reason:#}")),
+    };
+    let program = match build(&ready) {
+        Ok(program) => program,
+        Err(reason) => return tally.check("wheel of the Python package", Err::<&str, _>(reason)),
+    };
+    tally.check("wheel of the Python package", Ok(""));
+    let (before, mut report) = (tally.failed, Pytest::default());
+    // Not in the folder of the package, whose source would go before the installed wheel.
+    let tests = workspace::root().join("python/tests");
+    let call = |arguments: &[&str]| {
+        let mut command = Command::new(&ready);
+        command.args(["-m"]).args(arguments).current_dir(&tests);
+        command
+    };
+    let mut pytest = call(&["pytest", "-rfEs", "-q", "-p", "no:cacheprovider"]);
+    let status = child::lines(pytest.env("BEARING_WATCH_PROGRAM", program), |line| {
+        println!("{line}");
+        report.read(line, tally);
+    });
+    if !matches!(&status, Ok(status) if status.success() || tally.failed > before) {
+        tally.check("pytest", status.and_then(|status| Err::<&str, _>(anyhow::anyhow!("{status}"))));
+    }
+    let mut types = call(&["mypy"]);
+    tally.check("types of the package", silent(types.current_dir(workspace::root().join("python"))));
+    let stubs = silent(&mut call(&["mypy.stubtest", "bearing_watch._core"]));
+    tally.check("types of the extension module", stubs);
+}
+
+/// Python of the virtual environment with what the tests need; it is made where it is missing.
+fn environment() -> Result<PathBuf> {
+    let folder = workspace::target_dir().join("python/venv");
+    let (program, complete) = (folder.join("bin/python"), folder.join("complete"));
+    let wanted = fs::read_to_string(workspace::root().join("python/pyproject.toml"))?;
+    if fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
+        return Ok(program);
+    }
+    python::venv(&folder, true)?;
+    let manifest: toml::Table = wanted.parse()?;
+    let project = manifest.get("project").context("pyproject.toml has no project")?;
+    let lists = [project.get("dependencies"), project.get("optional-dependencies").and_then(|all| all.get("test"))];
+    let lists = lists.into_iter().flatten().filter_map(toml::Value::as_array).flatten();
+    let install = &mut pip(&program, &["maturin>=1.9.4,<2"]);
+    child::succeed(install.args(lists.filter_map(toml::Value::as_str)))?;
+    fs::write(&complete, wanted)?;
+    Ok(program)
+}
+
+/// Builds the wheel and installs it; returns the command line, built in the same profile.
+fn build(program: &Path) -> Result<PathBuf> {
+    let (wheels, package) = (workspace::target_dir().join("python/wheels"), workspace::root().join("python"));
+    if wheels.exists() {
+        fs::remove_dir_all(&wheels)?;
+    }
+    let workbench = cargo::workbench()?;
+    let mut maturin = Command::new(program);
+    maturin.args(["-m", "maturin", "build", "--locked", "--profile", "dev", "--features", "of-workspace", "--out"]);
+    child::succeed(maturin.arg(&wheels).current_dir(package))?;
+    let wheel = fs::read_dir(&wheels)?.next().context("maturin wrote no wheel")??.path();
+    child::succeed(pip(program, &["--no-deps", "--force-reinstall"]).arg(&wheel))?;
+    Ok(workbench.get_program().into())
+}
