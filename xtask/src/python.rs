@@ -73,7 +73,7 @@ pub fn with_packages(folder: &str, packages: &[&str]) -> Result<PathBuf> {
     let folder = workspace::target_dir().join("tools").join(folder);
     let (python, complete, wanted) = (venv(&folder, false)?, folder.join("complete"), packages.join("\n"));
     if !fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
-        child::succeed(&mut pip(&python, packages))
+        child::succeed(pip(&python, packages).current_dir(workspace::root()))
             .with_context(|| format!("cannot install {}", packages.join(" ")))?;
         fs::write(complete, wanted)?;
     }

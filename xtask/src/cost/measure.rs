@@ -122,18 +122,16 @@ const MOVED: u64 = 4;
 
 /// The same with cycles on the drive's chip.
 fn timed(elf: &Path) -> Result<Vec<Figure>> {
-    let lines = cycles::lines(elf, DRIVE)?;
+    let (lines, with_counts) = cycles::lines(elf, DRIVE)?;
     let read = |lines: &[String]| lines.iter().map(|line| figure(line)).collect::<Result<Vec<_>>>();
-    let mut figures = read(&lines.instructions)?;
-    for (one, traced) in figures.iter().zip(read(&lines.traced)?) {
-        let difference = one.instructions.zip(traced.instructions).map_or(0, |(one, traced)| one.abs_diff(traced));
-        let same = one.name == traced.name && one.n == traced.n && difference <= MOVED;
-        ensure!(same, "{} n={:?}: the trace has {difference} instructions more or fewer", one.name, one.n);
-    }
-    for (column, lines) in lines.cycles.iter().enumerate() {
-        for (figure, with) in figures.iter_mut().zip(read(lines)?) {
-            figure.cycles[column] = with.instructions;
-        }
+    let (mut figures, [traced, none, some]) = (read(&lines)?, with_counts.map(|lines| read(&lines)));
+    let (traced, none, some) = (traced?, none?, some?);
+    for (place, one) in figures.iter_mut().enumerate() {
+        let of = |all: &[Figure]| all.get(place).filter(|own| own.name == one.name && own.n == one.n).cloned();
+        let traced = of(&traced).and_then(|own| own.instructions);
+        let difference = one.instructions.unwrap_or(0).abs_diff(traced.unwrap_or(0));
+        ensure!(difference <= MOVED, "{} n={:?}: the trace has {difference} more or fewer", one.name, one.n);
+        one.cycles = [of(&none), of(&some)].map(|own| own.and_then(|own| own.instructions));
     }
     Ok(figures)
 }
@@ -153,16 +151,12 @@ fn figure(line: &str) -> Result<Figure> {
 
 /// A JSON list, one object a line.
 pub fn json(figures: &[Figure]) -> String {
-    let objects: Vec<String> = figures
-        .iter()
-        .map(|f| {
-            let object = json!({
-                "name": f.name, "n": f.n, "instructions": f.instructions, "cycles": f.cycles, "bytes": f.bytes
-            });
-            format!("  {object}")
-        })
-        .collect();
-    format!("[\n{}\n]", objects.join(",\n"))
+    let object = |f: &Figure| {
+        let Figure { name, n, instructions, cycles, bytes } = f;
+        let own = json!({ "name": name, "n": n, "instructions": instructions, "cycles": cycles, "bytes": bytes });
+        format!("  {own}")
+    };
+    format!("[\n{}\n]", figures.iter().map(object).collect::<Vec<_>>().join(",\n"))
 }
 
 /// The rows of a table of a document.

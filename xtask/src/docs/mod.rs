@@ -5,18 +5,18 @@
 
 mod block;
 mod compare;
-mod peers;
-mod pictures;
 mod template;
 
 use std::fs;
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
 use crate::child;
 use crate::cost::measure::{self, Figure};
 use crate::firmware::way::Way;
-use crate::workspace::root;
+use crate::python::with_packages;
+use crate::workspace::{root, target_dir};
 use crate::{cargo, setup};
 use block::Block;
 use compare::Tolerance;
@@ -24,9 +24,9 @@ use compare::Tolerance;
 /// What computes blocks.
 #[derive(Clone, Copy, Debug)]
 enum Origin {
-    /// A command of the workbench, whose output is the block, and a picture of the page that it writes: its page in
-    /// `target` and the start of the figure's title.
-    Workbench(&'static str, Option<(&'static str, &'static str)>),
+    /// A command of the workbench, whose output is the block, and the start of the title of a figure on the page that it
+    /// writes, of which a picture is saved; or nothing.
+    Workbench(&'static str, &'static str),
     /// Tests of `host-tests` that print blocks: the program, and a part of their names.
     Tests(&'static str, &'static str),
     /// Cells of other documents. It follows every change of these documents, which are those of the named sources.
@@ -35,15 +35,14 @@ enum Origin {
     Figures,
     Signatures,
     Endurance,
-    Peers,
-    Reading,
-    Pictures,
+    /// A script of `xtask`, which prints the block.
+    Script(&'static str),
 }
 
 /// A source: the argument of `cargo xtask docs`, its document, and what computes it.
 type Source = (&'static str, &'static str, Origin);
 
-use Origin::{Endurance, Figures, Peers, Pictures, Quotes, Reading, Signatures, Tests, Workbench};
+use Origin::{Endurance, Figures, Quotes, Script, Signatures, Tests, Workbench};
 
 /// Sources that take seconds; others run by name only.
 const QUICK: [&str; 7] = ["target", "demo", "instruments", "faults", "summary", "results", "needs"];
@@ -55,40 +54,41 @@ const SOURCES: [Source; 26] = [
     ("demo", "book/src/introduction.md", Tests("system", "standard_rig::twenty_draws")),
     ("instruments", "book/src/identification.md", Tests("system", "instruments_model::noise_in_the_field")),
     ("faults", "book/src/faults.md", Tests("core", "fault_table::faults_of_signals")),
-    ("campaign", "docs/campaign.md", Workbench("campaign", None)),
-    ("field", "docs/field.md", Workbench("campaign --field --draws 2 --report target/field.html", Some((
-        "field", "Detected records over the size of the defect (1 is full size), with 95 % intervals",
-    )))),
-    ("field-default", "docs/field.md", Workbench("campaign --field --default --draws 2", None)),
-    ("field-bounds", "docs/field.md", Workbench("campaign --field --bounds --draws 1", None)),
-    ("field-limits", "docs/field.md", Workbench("campaign --field --limits", None)),
-    ("field-sessions", "docs/field.md", Workbench("campaign --field --sessions --draws 10", None)),
-    ("delay", "docs/alarm.md", Workbench("campaign --field --delay --draws 1", None)),
+    ("campaign", "docs/campaign.md", Workbench("campaign", "")),
+    ("field", "docs/field.md", Workbench(
+        "campaign --field --draws 2 --report target/field.html",
+        "Detected records over the size of the defect (1 is full size), with 95 % intervals",
+    )),
+    ("field-default", "docs/field.md", Workbench("campaign --field --default --draws 2", "")),
+    ("field-bounds", "docs/field.md", Workbench("campaign --field --bounds --draws 1", "")),
+    ("field-limits", "docs/field.md", Workbench("campaign --field --limits", "")),
+    ("field-sessions", "docs/field.md", Workbench("campaign --field --sessions --draws 10", "")),
+    ("delay", "docs/alarm.md", Workbench("campaign --field --delay --draws 1", "")),
     ("lasting", "docs/alarm.md", Tests("system", "lasting::lasting_offsets_of")),
-    ("growth", "docs/alarm.md", Workbench("campaign --field --growth --draws 1 --only field-sine", None)),
-    ("healthy-sets", "docs/field.md", Workbench("campaign --healthy-sets --draws 40", None)),
-    ("ema", "docs/ema.md", Workbench("campaign --ema --draws 5", None)),
-    ("ema-default", "docs/ema.md", Workbench("campaign --ema --default --draws 5", None)),
-    ("tables", "docs/tables.md", Workbench("tables --report target/park.html", Some((
-        "park", "Figure 5.35: a healthy record with four angles of the Park transform",
-    )))),
+    ("growth", "docs/alarm.md", Workbench("campaign --field --growth --draws 1 --only field-sine", "")),
+    ("healthy-sets", "docs/field.md", Workbench("campaign --healthy-sets --draws 40", "")),
+    ("ema", "docs/ema.md", Workbench("campaign --ema --draws 5", "")),
+    ("ema-default", "docs/ema.md", Workbench("campaign --ema --default --draws 5", "")),
+    ("tables", "docs/tables.md", Workbench(
+        "tables --report target/park.html", "Figure 5.35: a healthy record with four angles of the Park transform",
+    )),
     ("recorded", "docs/recorded.md", Tests("system", "recorded_")),
     ("endurance", "docs/endurance.md", Endurance),
-    ("peers", "docs/peers.md", Peers),
-    ("reading", "docs/peers.md", Reading),
+    ("peers", "docs/peers.md", Script("peers/peers.sh")),
+    ("reading", "docs/peers.md", Script("peers/reading.sh")),
     ("signature", "docs/safety.md", Signatures),
-    ("book", "book/src/plots.md", Pictures),
+    ("book", "book/src/plots.md", Script("docs/book.sh")),
     // After those that they quote.
-    ("summary", "book/src/introduction.md", Quotes(include_str!("templates/summary.md"), &["campaign"])),
-    ("results", "README.md", Quotes(include_str!("templates/results.md"), &["campaign", "field", "recorded", "target"])),
-    ("needs", "book/src/limits.md", Quotes(include_str!("templates/needs.md"), &["field"])),
+    ("summary", "book/src/introduction.md", Quotes(include_str!("../../docs/templates/summary.md"), &["campaign"])),
+    ("results", "README.md", Quotes(include_str!("../../docs/templates/results.md"), &["campaign", "field", "recorded", "target"])),
+    ("needs", "book/src/limits.md", Quotes(include_str!("../../docs/templates/needs.md"), &["field"])),
 ];
 
 /// Templates of the tables of cost, with their documents.
 const COST: [(&str, &str, &str); 3] = [
-    ("target", "book/src/target.md", include_str!("templates/target.md")),
-    ("target-cycles", "book/src/target.md", include_str!("templates/target-cycles.md")),
-    ("target-interrupt", "docs/boards.md", include_str!("templates/target-interrupt.md")),
+    ("target", "book/src/target.md", include_str!("../../docs/templates/target.md")),
+    ("target-cycles", "book/src/target.md", include_str!("../../docs/templates/target-cycles.md")),
+    ("target-interrupt", "docs/boards.md", include_str!("../../docs/templates/target-interrupt.md")),
 ];
 
 /// The same source gives the same counts with one compiler; other compilers differ by a few percent.
@@ -111,7 +111,7 @@ pub fn run(names: &[String], check: bool, way: Option<Way>) -> Result<bool> {
         println!("{name}");
         let tolerance = match from {
             Figures | Signatures => OF_COUNTS,
-            Peers | Reading => Tolerance::Any,
+            _ if *document == "docs/peers.md" => Tolerance::Any,
             _ => Tolerance::Exact,
         };
         for block in blocks(name, document, *from, way).with_context(|| format!("cargo xtask docs {name}"))? {
@@ -137,12 +137,16 @@ fn blocks(name: &str, document: &'static str, from: Origin, way: Option<Way>) ->
     let single = |text: &str| Ok(vec![Block::new(document, name, text)]);
     match from {
         Workbench(command, picture) => {
-            let text = workbench(command)?;
-            if let Some((page, title)) = picture {
-                let html = root().join("target").join(page).with_extension("html");
-                pictures::save(&html, title, &format!("docs/pictures/{page}.svg"))?;
+            let program = "run --release --quiet --package bearing-watch-workbench --bin bearing-watch --";
+            let mut cargo = cargo::cargo(&program.split(' ').chain(command.split(' ')).collect::<Vec<_>>());
+            let lines = child::printed(&mut cargo)?;
+            // The page is no part of the block.
+            let lines: Vec<String> = lines.into_iter().filter(|line| !line.starts_with("Written: ")).collect();
+            if let Some((_, page)) = command.split_once("--report ").filter(|_| !picture.is_empty()) {
+                let svg = page.replace("target/", "docs/pictures/").replace(".html", ".svg");
+                child::succeed(&mut script("docs/picture.sh", &[page, picture, &svg])?)?;
             }
-            single(&format!("```text\n{}\n```", text.trim_end()))
+            single(&format!("```text\n{}\n```", lines.join("\n").trim_end()))
         }
         Tests(program, filter) => of_tests(name, document, program, filter),
         Quotes(template, _) => single(&template::filled(template, &[])?.join("\n")),
@@ -158,9 +162,7 @@ fn blocks(name: &str, document: &'static str, from: Origin, way: Option<Way>) ->
             let head = format!("| what | one step |{steps}\n|{}", "---|".repeat(12));
             single(&format!("{head}\n{}", cargo::measure_long()?.join("\n")))
         }
-        Peers => single(&peers::identification()?),
-        Reading => single(&peers::reading()?),
-        Pictures => Ok(vec![pictures::of_book()?]),
+        Script(name) => single(&child::printed(&mut script(name, &[])?)?.join("\n")),
     }
 }
 
@@ -186,12 +188,17 @@ fn agrees(block: &Block, tolerance: Tolerance) -> Result<()> {
     Ok(())
 }
 
-/// What a command of the workbench prints, without the names of the pages that it writes.
-fn workbench(command: &str) -> Result<String> {
-    let program = ["run", "--release", "--quiet", "--package", "bearing-watch-workbench", "--bin", "bearing-watch"];
-    let lines = child::printed(cargo::cargo(&program).arg("--").args(command.split(' ')))?;
-    let lines: Vec<String> = lines.into_iter().filter(|line| !line.starts_with("Written: ")).collect();
-    Ok(lines.join("\n"))
+/// A call of a script of `xtask`, with what it needs.
+fn script(name: &str, arguments: &[&str]) -> Result<Command> {
+    let mut script = Command::new("sh");
+    script.arg(format!("xtask/{name}")).args(arguments).current_dir(root()).env("TARGET", target_dir());
+    if name.starts_with("peers") {
+        script.env("PYTHON", with_packages("peers", &["--requirement", "xtask/peers/requirements.txt"])?);
+    } else {
+        setup::ensure(&[&setup::BROWSER])?;
+        script.env("BROWSER", setup::browser()?);
+    }
+    Ok(script)
 }
 
 /// The blocks that tests print. A test fails where the document differs from what it prints, so its failure is no

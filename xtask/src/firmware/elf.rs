@@ -79,15 +79,6 @@ pub fn ensure_exports(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Sizes of those functions of a linked program that are global, in bytes.
-pub fn global_sizes(path: &Path, names: &[&str]) -> Result<BTreeMap<String, u64>> {
-    with(path, |file| {
-        let global = file.symbols().filter(|symbol| symbol.is_global() && symbol.is_definition());
-        let sizes = global.filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.size())));
-        Ok(sizes.filter(|(name, _)| names.contains(&name.as_str())).collect())
-    })
-}
-
 /// The names and addresses of the tests for probe-rs: the symbols of a section of its own are called as JSON says of
 /// each, and the section has their addresses.
 pub fn tests(path: &Path) -> Result<BTreeMap<String, u32>> {

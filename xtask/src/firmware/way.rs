@@ -39,7 +39,9 @@ impl Way {
             (None, Some(name)) => Self::from_str(&name, true).map_err(|error| anyhow::anyhow!("{VARIABLE}: {error}")),
             (None, None) if Self::Rustup.hindrance(DRIVE.target).is_none() => Ok(Self::Rustup),
             (None, None) if child::on_path("apt-get") || setup::is_ready(&setup::COMPILER) => Ok(Self::Debian),
-            (None, None) => bail!("no compiler library for {}; {}", DRIVE.target, setup::COMPILER.elsewhere),
+            (None, None) => {
+                bail!("no compiler for {target}; run\n    rustup target add {target}", target = DRIVE.target)
+            }
         }
     }
 

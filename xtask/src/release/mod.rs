@@ -1,20 +1,26 @@
-//! `cargo xtask release`: everything that is published, made and tested without publishing it.
+//! `cargo xtask release`: everything that is published, made and tested without publishing it, by the scripts of
+//! `xtask/release`.
 
-mod archive;
-mod crates;
-mod dist;
-mod notices;
 mod projects;
-mod wheel;
 
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 
+use crate::cargo::{self, metadata};
+use crate::firmware::board::{Board, DRIVE, NO_FPU, RISCV};
+use crate::firmware::build::{self, c_library};
+use crate::firmware::elf;
 use crate::firmware::way::Way;
+use crate::python::{CYCLONEDX, HACK, MATURIN, SEMVER_CHECKS, Tool, tool, venv};
 use crate::report::{Stages, Tally};
-use crate::{child, test, workspace};
+use crate::test::newcomer;
+use crate::workspace::{root, target_dir};
+use crate::{child, setup, test};
 
 /// What is released or checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -48,16 +54,25 @@ pub struct Options {
     baseline: Option<String>,
 }
 
+/// The folder of artefacts.
+fn dist() -> PathBuf {
+    target_dir().join("dist")
+}
+
 /// Makes and checks the parts, prints the table of artefacts; whether nothing failed.
 pub fn run(options: &Options, way: Way) -> Result<bool> {
+    fs::create_dir_all(dist())?;
     let mut stages = Stages::default();
     for part in if options.parts.is_empty() { Part::value_variants() } else { &options.parts } {
         let name = part.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
         stages.stage(&name, |tally| check(*part, tally, way, options.baseline.as_deref()));
     }
-    println!("\n{}", dist::table()?);
-    let status = child::output(Command::new("git").args(["status", "--porcelain"]).current_dir(workspace::root()));
-    if !status.is_some_and(|changes| changes.is_empty()) {
+    // Sums that `sha256sum --check` reads.
+    let sums = "rm -f SHA256SUMS; sha256sum * | tee SHA256SUMS | while read -r sum file; do
+        printf '%-64s %10s  %s\n' \"$file\" \"$(wc -c < \"$file\")\" \"$sum\"; done";
+    println!("\n{}", child::printed(Command::new("sh").args(["-c", sums]).current_dir(dist()))?.join("\n"));
+    let changes = child::output(Command::new("git").args(["status", "--porcelain"]).current_dir(root()));
+    if !changes.is_some_and(|changes| changes.is_empty()) {
         println!("not a release: the tree has changes that are not committed");
     }
     Ok(stages.end())
@@ -65,20 +80,119 @@ pub fn run(options: &Options, way: Way) -> Result<bool> {
 
 fn check(part: Part, tally: &mut Tally, way: Way, baseline: Option<&str>) {
     match part {
-        Part::Packages => tally.check("packages, each built alone", crates::packages()),
+        Part::Packages => by_script(tally, "packages", None, |_| Ok(())),
         Part::C => {
-            let made = archive::make(way);
-            let there = made.is_ok();
-            tally.check("archive of the C library", made.map(|path| path.display().to_string()));
-            if there {
+            let failed = tally.failed;
+            by_script(tally, "archive", None, |script| archive(script, way));
+            if tally.failed == failed {
                 projects::checks(tally);
             }
         }
-        Part::Wheel => tally.check("source distribution, and its wheel in an empty environment", wheel::check()),
-        Part::Sbom => crates::bills(tally),
-        Part::Interface => crates::interface(tally, baseline),
-        Part::Features => crates::features(tally, way),
-        Part::Oldest => crates::oldest(tally),
+        Part::Wheel => by_script(tally, "wheel", Some(MATURIN), wheel),
+        Part::Sbom => by_script(tally, "sbom", Some(CYCLONEDX), |_| Ok(())),
+        Part::Interface => by_script(tally, "interface", Some(SEMVER_CHECKS), |script| {
+            script.envs(baseline.map(|revision| ("BASELINE", revision)));
+            Ok(())
+        }),
+        Part::Features => {
+            by_script(tally, "features", Some(HACK), |_| Ok(()));
+            for board in [DRIVE, NO_FPU] {
+                by_script(tally, "features", Some(HACK), |script| chip(script, way, board));
+            }
+        }
+        Part::Oldest => {
+            by_script(tally, "oldest", None, |_| Ok(()));
+            by_script(tally, "oldest-compiler", None, |_| Ok(()));
+        }
         Part::Dependencies => test::dependencies(tally),
     }
+}
+
+/// The check of a script of `xtask/release`, which knows the published packages with their folders, and a program of
+/// another project. With status 77 it
+/// says what is missing, with 78 why it has no place.
+fn by_script(tally: &mut Tally, name: &str, program: Option<Tool>, prepare: impl FnOnce(&mut Command) -> Result<()>) {
+    let mut last = String::new();
+    let run = || {
+        let mut published = Vec::new();
+        for package in metadata()?.iter().filter(|package| package["publish"].is_null()) {
+            let folder = Path::new(package["manifest_path"].as_str().unwrap_or_default()).parent();
+            let folder = folder.and_then(|folder| folder.strip_prefix(root()).ok()).context("outside")?;
+            published.push(format!("{}:./{}", package["name"].as_str().unwrap_or_default(), folder.display()));
+        }
+        let mut script = Command::new("sh");
+        script.arg(format!("xtask/release/{name}.sh")).current_dir(root()).env("PUBLISHED", published.join(" "));
+        script.env("VERSION", env!("CARGO_PKG_VERSION")).env("RUST_VERSION", env!("CARGO_PKG_RUST_VERSION"));
+        script.env("DIST", dist()).env("TARGET", target_dir());
+        if let Some(program) = program {
+            script.env("TOOL", tool(program, &[])?.get_program());
+        }
+        prepare(&mut script)?;
+        let status = child::lines(&mut script, |line| {
+            println!("{line}");
+            line.clone_into(&mut last);
+        })?;
+        let words: Vec<_> = script.get_args().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        anyhow::Ok((status, words.join(" ")))
+    };
+    match run() {
+        Ok((status, words)) if status.code() == Some(77) => tally.missing(format!("{name} {words}").trim(), &last),
+        Ok((status, _)) if status.code() == Some(78) => tally.skip(name, &last),
+        Ok((status, words)) => {
+            let outcome = status.success().then_some("").with_context(|| status.to_string());
+            tally.check(format!("{name} {words}").trim(), outcome);
+        }
+        Err(error) => tally.check(name, Err::<&str, _>(error)),
+    }
+}
+
+/// What the archive of the C library is made of.
+fn archive(script: &mut Command, way: Way) -> Result<()> {
+    setup::ensure(&[&setup::C_COMPILER, &setup::MAKE, &setup::CMAKE, &setup::RISCV])?;
+    let folder = target_dir().join("archive");
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    let project = folder.join("project");
+    fs::create_dir_all(&project)?;
+    newcomer::write_project(&project, &root())?;
+    // These take the place of those that use a checkout.
+    let own = ["bearing_watch.mk", "cubemx.cmake"];
+    newcomer::blocks::Blocks::of_document(projects::DOCUMENT)?.write(Some(&own), &project, &root())?;
+    for name in newcomer::FILES.iter().chain(&["main.c", "Makefile", "CMakeLists.txt"]).chain(&own) {
+        let to = folder.join("firmware").join(name);
+        fs::create_dir_all(to.parent().context("no folder")?)?;
+        fs::copy(project.join(name), to).with_context(|| format!("no {name}"))?;
+    }
+    for (name, board) in [("CHIP", DRIVE), ("RISCV", RISCV)] {
+        if let Some(hindrance) = way.hindrance(board.target) {
+            bail!("{hindrance}");
+        }
+        let library = c_library((way, board), "", "", &[])?;
+        elf::ensure_exports(&library)?;
+        script.env(name, board.target).env(format!("{name}_LIBRARY"), library);
+    }
+    script.env("FOLDER", folder);
+    Ok(())
+}
+
+/// What the wheel is made and tried with.
+fn wheel(script: &mut Command) -> Result<()> {
+    // Outside the checkout, whose configuration cargo would read.
+    let folder = env::temp_dir().join(format!("bearing-watch-wheel-{}", std::process::id()));
+    fs::create_dir_all(&folder)?;
+    script.env("PYTHON", venv(&folder.join("venv"), true)?).env("FOLDER", folder);
+    script.env("WORKBENCH", cargo::workbench()?.get_program());
+    Ok(())
+}
+
+/// Lets cargo-hack check for a chip.
+fn chip(script: &mut Command, way: Way, board: Board) -> Result<()> {
+    if let Some(hindrance) = way.hindrance(board.target) {
+        bail!("{}: {hindrance}", board.target);
+    }
+    build::prepare(script, way);
+    script.args(["--target", board.target]);
+    script.args(if way == Way::Debian { ["-Z", "build-std=core,alloc"].as_slice() } else { &[] });
+    Ok(())
 }

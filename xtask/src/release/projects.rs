@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
-use super::{archive, dist};
+use super::dist;
 use crate::cargo::lines_of_example;
 use crate::child;
 use crate::firmware::board::{DRIVE, RISCV};
@@ -19,6 +19,9 @@ use crate::test::newcomer::blocks::Blocks;
 use crate::test::newcomer::{self, BUILDERS, Folder, same_classes};
 use crate::test::{compared, verdicts};
 use crate::workspace::root;
+
+/// The document of the archive.
+pub const DOCUMENT: &str = "c-api/ARCHIVE.md";
 
 /// How the program of a project is run, and what its lines are compared with.
 #[derive(Clone, Copy, Debug)]
@@ -86,9 +89,9 @@ pub fn checks(tally: &mut Tally) {
 
 /// Follows the commands of the document in an empty folder, builds the project, and runs its program.
 fn walk((build, python): (&str, &Path), place: &str, program: &str, run: Run, trace: &Path) -> Result<String> {
-    let (folder, blocks) = (Folder::new("project")?, Blocks::of_document(archive::DOCUMENT)?);
-    let packed = dist::find(archive::NAME, archive::ENDING)?;
-    fs::copy(&packed, folder.path().join(packed.file_name().context("no name")?))?;
+    let (folder, blocks) = (Folder::new("project")?, Blocks::of_document(DOCUMENT)?);
+    let packed = format!("bearing-watch-c-{}.tar.gz", env!("CARGO_PKG_VERSION"));
+    fs::copy(dist().join(&packed), folder.path().join(packed))?;
     child::succeed(&mut blocks.commands(folder.path(), &root())?)?;
     blocks.write(None, folder.path(), &root())?;
     let mut shell = Command::new("bash");
@@ -104,6 +107,6 @@ fn walk((build, python): (&str, &Path), place: &str, program: &str, run: Run, tr
         }
         Run::Sketch => same_classes(&verdicts(&monitor()?), &verdicts(&qemu::run(&place.join(program), DRIVE)?)),
         Run::Riscv => compared(monitor()?, &qemu::run(&place.join(program), RISCV)?),
-        Run::Twice => newcomer::of_program(archive::DOCUMENT, &place, trace, program),
+        Run::Twice => newcomer::of_program(DOCUMENT, &place, trace, program),
     }
 }

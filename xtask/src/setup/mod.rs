@@ -45,7 +45,7 @@ pub fn ensure(needs: &[&'static Need]) -> Result<()> {
         script(&["unpack", need.name, need.packages, need.programs, need.links]).with_context(|| remedy(need))?;
         fs::write(stamp(need), stamped(need))?;
         link(need)?;
-        let serves = (need.serves)(&child::search_path());
+        let serves = need.serves(&child::search_path());
         ensure!(serves, "{}\nreason: the system's packages are too old, or do not run here", remedy(need));
     }
     Ok(())
@@ -69,7 +69,7 @@ fn stamped(need: &Need) -> String {
 /// Puts the programs on the search path, if they are called by name.
 fn link(need: &Need) -> Result<()> {
     #[cfg(unix)]
-    for entry in workspace::debian().join(need.name).join("bin").read_dir()?.filter(|_| need.by_name) {
+    for entry in workspace::debian().join(need.name).join("bin").read_dir()?.filter(|_| need.name != COMPILER.name) {
         let name = entry?.file_name();
         let place = workspace::debian().join("bin").join(&name);
         let _ = fs::remove_file(&place);
@@ -82,20 +82,20 @@ fn link(need: &Need) -> Result<()> {
 pub fn is_ready(need: &Need) -> bool {
     let unpacked = fs::read_to_string(stamp(need)).is_ok_and(|text| text == stamped(need));
     let path = if unpacked { child::search_path() } else { env::var_os("PATH").unwrap_or_default() };
-    (need.serves)(&path)
+    need.serves(&path)
 }
 
 /// What a user can do where a need cannot be set up.
 fn remedy(need: &Need) -> String {
     let installs = [
         ("apt-get", "sudo apt-get install", need.packages),
-        ("brew", "brew install", need.elsewhere),
-        ("dnf", "sudo dnf install", need.elsewhere),
+        ("brew", "brew install", need.name),
+        ("dnf", "sudo dnf install", need.name),
     ];
     let known = installs.iter().find(|(program, ..)| child::on_path(program));
     match known {
-        _ if need.name == COMPILER.name => need.elsewhere.to_owned(),
+        _ if need.name == COMPILER.name => "rustup target add thumbv7em-none-eabihf".to_owned(),
         Some((_, command, package)) => format!("{command} {package}"),
-        None => format!("install {} by the system's package manager", need.elsewhere),
+        None => format!("install {} by the system's package manager", need.name),
     }
 }

@@ -8,7 +8,7 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 
 use crate::cargo::{self, cargo};
-use crate::python::{self, pip};
+use crate::python;
 use crate::report::{Libtest, Pytest, Tally};
 use crate::{child, workspace};
 
@@ -58,69 +58,41 @@ pub fn tests(tally: &mut Tally, kinds: &[&str]) {
     }
 }
 
-/// The Python package as a wheel, its tests, and its types.
+/// The Python package as a wheel, its types, and its tests.
 pub fn python(tally: &mut Tally) {
-    let ready = match environment() {
-        Ok(python) => python,
-        Err(reason) => return tally.missing("Python package", &format!("{reason:#}")),
-    };
-    let program = match build(&ready) {
-        Ok(program) => program,
-        Err(reason) => return tally.check("wheel of the Python package", Err::<&str, _>(reason)),
-    };
-    tally.check("wheel of the Python package", Ok(""));
+    let folder = workspace::target_dir().join("python/venv");
     let (before, mut report) = (tally.failed, Pytest::default());
-    // Not in the folder of the package, whose source would go before the installed wheel.
-    let tests = workspace::root().join("python/tests");
-    let call = |arguments: &[&str]| {
-        let mut command = Command::new(&ready);
-        command.args(["-m"]).args(arguments).current_dir(&tests);
-        command
-    };
-    let mut pytest = call(&["pytest", "-rfEs", "-q", "-p", "no:cacheprovider"]);
-    let status = child::lines(pytest.env("BEARING_WATCH_PROGRAM", program), |line| {
-        println!("{line}");
-        report.read(line, tally);
+    let outcome = environment(&folder).and_then(|python| {
+        let mut script = Command::new("sh");
+        script.arg("xtask/python.sh").current_dir(workspace::root()).env("PYTHON", python);
+        script.env("TARGET", workspace::target_dir()).env("PROGRAM", cargo::workbench()?.get_program());
+        child::lines(&mut script, |line| {
+            println!("{line}");
+            report.read(line, tally);
+        })
     });
-    if !matches!(&status, Ok(status) if status.success() || tally.failed > before) {
-        tally.check("pytest", status.and_then(|status| Err::<&str, _>(anyhow::anyhow!("{status}"))));
+    match outcome {
+        Ok(status) if status.success() => tally.check("wheel and types of the Python package", Ok("")),
+        // The tests that failed are counted already.
+        Ok(_) if tally.failed > before => {}
+        Ok(status) => tally.check("wheel and types of the Python package", Err::<&str, _>(anyhow::anyhow!("{status}"))),
+        Err(reason) => tally.missing("Python package", &format!("{reason:#}")),
     }
-    let mut types = call(&["mypy"]);
-    tally.check("types of the package", silent(types.current_dir(workspace::root().join("python"))));
-    let stubs = silent(&mut call(&["mypy.stubtest", "bearing_watch._core"]));
-    tally.check("types of the extension module", stubs);
 }
 
-/// Python of the virtual environment with what the tests need; it is made where it is missing.
-fn environment() -> Result<PathBuf> {
-    let folder = workspace::target_dir().join("python/venv");
+/// Python of a virtual environment with what the tests need; it is made where it is missing.
+fn environment(folder: &Path) -> Result<PathBuf> {
     let (program, complete) = (folder.join("bin/python"), folder.join("complete"));
     let wanted = fs::read_to_string(workspace::root().join("python/pyproject.toml"))?;
-    if fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
-        return Ok(program);
+    if !fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
+        python::venv(folder, true)?;
+        let manifest: toml::Table = wanted.parse()?;
+        let project = manifest.get("project").context("pyproject.toml has no project")?;
+        let lists = [project.get("dependencies"), project.get("optional-dependencies").and_then(|all| all.get("test"))];
+        let packages = lists.into_iter().flatten().filter_map(toml::Value::as_array).flatten();
+        let install = &mut python::pip(&program, &["maturin>=1.9.4,<2"]);
+        child::succeed(install.args(packages.filter_map(toml::Value::as_str)))?;
+        fs::write(&complete, wanted)?;
     }
-    python::venv(&folder, true)?;
-    let manifest: toml::Table = wanted.parse()?;
-    let project = manifest.get("project").context("pyproject.toml has no project")?;
-    let lists = [project.get("dependencies"), project.get("optional-dependencies").and_then(|all| all.get("test"))];
-    let lists = lists.into_iter().flatten().filter_map(toml::Value::as_array).flatten();
-    let install = &mut pip(&program, &["maturin>=1.9.4,<2"]);
-    child::succeed(install.args(lists.filter_map(toml::Value::as_str)))?;
-    fs::write(&complete, wanted)?;
     Ok(program)
-}
-
-/// Builds the wheel and installs it; returns the command line, built in the same profile.
-fn build(program: &Path) -> Result<PathBuf> {
-    let (wheels, package) = (workspace::target_dir().join("python/wheels"), workspace::root().join("python"));
-    if wheels.exists() {
-        fs::remove_dir_all(&wheels)?;
-    }
-    let workbench = cargo::workbench()?;
-    let mut maturin = Command::new(program);
-    maturin.args(["-m", "maturin", "build", "--locked", "--profile", "dev", "--features", "of-workspace", "--out"]);
-    child::succeed(maturin.arg(&wheels).current_dir(package))?;
-    let wheel = fs::read_dir(&wheels)?.next().context("maturin wrote no wheel")??.path();
-    child::succeed(pip(program, &["--no-deps", "--force-reinstall"]).arg(&wheel))?;
-    Ok(workbench.get_program().into())
 }

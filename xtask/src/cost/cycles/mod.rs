@@ -28,70 +28,50 @@ pub const WAIT_STATES: [u64; 2] = [0, 5];
 /// The file that the counter of the firmware reads.
 const GIVEN: &str = "counts.bin";
 
-/// What the counter of the firmware enclosed, in the order of the program.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Batches {
-    instructions: Vec<u64>,
-    cycles: [Vec<u64>; WAIT_STATES.len()],
-}
+/// Instructions, and cycles for each of [`WAIT_STATES`].
+type Counts<T> = [T; 1 + WAIT_STATES.len()];
 
-/// The lines that a program prints: of instructions, of those of the trace, and of cycles for each of [`WAIT_STATES`].
-#[derive(Clone, Debug)]
-pub struct Lines {
-    pub instructions: Vec<String>,
-    pub traced: Vec<String>,
-    pub cycles: [Vec<String>; WAIT_STATES.len()],
-}
-
-/// Runs a program that reads no other files.
-pub fn lines(elf: &Path, board: Board) -> Result<Lines> {
+/// Runs a program that reads no other files. Returns the lines that it prints by itself, and those with the counts of the
+/// trace in the place of its own.
+pub fn lines(elf: &Path, board: Board) -> Result<(Vec<String>, Counts<Vec<String>>)> {
     let folder = &workspace::target_dir().join("cycles");
     fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    let given = folder.join(GIVEN);
     // Left there by a run that was ended, it would replace the counts.
-    let _none_there = fs::remove_file(folder.join(GIVEN));
+    let _none_there = fs::remove_file(&given);
     let (mut trace, mut recorder) = (Trace::default(), Recorder::default());
-    let instructions =
-        qemu::trace((folder, elf), board, |line| trace.line(line, |executed| recorder.execute(executed)))?;
+    let lines = qemu::trace((folder, elf), board, |line| trace.line(line, |executed| recorder.execute(executed)))?;
     ensure!(recorder.open.is_none(), "a batch has no end");
-    ensure!(!recorder.batches.instructions.is_empty(), "{} counts nothing", elf.display());
-    let again = |counts: &[u64]| again(folder, elf, board, counts);
-    let Batches { instructions: traced, cycles: [none, some] } = &recorder.batches;
-    Ok(Lines { instructions, traced: again(traced)?, cycles: [again(none)?, again(some)?] })
+    ensure!(!recorder.batches[0].is_empty(), "{} counts nothing", elf.display());
+    let mut again = Counts::<Vec<String>>::default();
+    for (lines, counts) in again.iter_mut().zip(recorder.batches) {
+        fs::write(&given, counts.iter().flat_map(|count| count.to_le_bytes()).collect::<Vec<u8>>())?;
+        *lines = qemu::run_in(folder, elf, board)?;
+    }
+    fs::remove_file(&given)?;
+    Ok((lines, again))
 }
 
-fn again(folder: &Path, elf: &Path, board: Board, counts: &[u64]) -> Result<Vec<String>> {
-    let file = folder.join(GIVEN);
-    let words: Vec<u32> = counts.iter().map(|&count| u32::try_from(count)).collect::<Result<_, _>>()?;
-    fs::write(&file, words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
-    let lines = qemu::run_in(folder, elf, board);
-    fs::remove_file(&file)?;
-    lines
-}
-
-/// Adds up what lies between two marks.
+/// Adds up what lies between two marks, in the order of the program.
 #[derive(Debug, Default)]
 struct Recorder {
-    batches: Batches,
-    open: Option<(u64, [Pipeline; WAIT_STATES.len()])>,
+    batches: Counts<Vec<u32>>,
+    open: Option<(u32, [Pipeline; WAIT_STATES.len()])>,
 }
 
 impl Recorder {
     fn execute(&mut self, executed: &Instruction) {
-        match (&mut self.open, executed.is_mark) {
+        match (self.open.take(), executed.is_mark) {
             (None, true) => self.open = Some((0, WAIT_STATES.map(Pipeline::new))),
-            (Some((count, pipelines)), false) => {
-                *count += 1;
-                pipelines.iter_mut().for_each(|pipeline| pipeline.execute(executed));
-            }
-            (open @ Some(_), true) => {
-                if let Some((count, pipelines)) = open.take() {
-                    self.batches.instructions.push(count);
-                    for (all, pipeline) in self.batches.cycles.iter_mut().zip(pipelines) {
-                        all.push(pipeline.cycles());
-                    }
-                }
-            }
             (None, false) => {}
+            (Some((count, mut pipelines)), false) => {
+                pipelines.iter_mut().for_each(|pipeline| pipeline.execute(executed));
+                self.open = Some((count + 1, pipelines));
+            }
+            (Some((count, [none, some])), true) => {
+                let counts = [count, none.cycles(), some.cycles()];
+                self.batches.iter_mut().zip(counts).for_each(|(all, one)| all.push(one));
+            }
         }
     }
 }

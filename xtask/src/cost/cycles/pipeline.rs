@@ -38,8 +38,9 @@ impl Pipeline {
         Self { flash: Flash::new(wait_states), cycles: 0, divided: 0, previous: None }
     }
 
-    pub const fn cycles(&self) -> u64 {
-        self.cycles
+    /// Cycles so far.
+    pub fn cycles(&self) -> u32 {
+        u32::try_from(self.cycles).unwrap_or(u32::MAX)
     }
 
     /// Takes the next instruction that was executed.
@@ -100,7 +101,7 @@ mod tests {
     use super::*;
 
     /// Cycles of 16-bit instructions one behind the other, without wait states.
-    fn cycles(texts: &[&str]) -> u64 {
+    fn cycles(texts: &[&str]) -> u32 {
         let mut pipeline = Pipeline::new(0);
         for (number, text) in (0..).zip(texts) {
             let line = format!("0x{:08x}:  bf00       {text}", 0x0800_0000 + 2 * number);

@@ -88,13 +88,6 @@ mod tests {
         Trace 0: 0x7f01 [00800408/00000100/00000110/ff020200] Reset\n";
 
     #[test]
-    fn a_block_that_was_stopped_comes_once() {
-        let stopped = "Stopped execution of TB chain before 0x7f01 [00000100] Reset\n";
-        let again = "Trace 0: 0x7f01 [00800408/00000100/00000110/ff020200] Reset\n";
-        assert_eq!(addresses(&format!("{START}{stopped}{again}{again}")), [0x100, 0x104, 0x106]);
-    }
-
-    #[test]
     fn the_remainder_of_a_block_comes_again() {
         let rewound = "cpu_io_recompile: rewound execution of TB to 00000104\n\
             IN: Reset\n\
