@@ -22,7 +22,6 @@ use cost::measure;
 use firmware::board::DRIVE;
 use firmware::way::Way;
 use firmware::{build, qemu};
-use test::Stage;
 
 /// Set-up, tests, firmware builds, emulator runs, instruction and size tables.
 #[derive(Parser, Debug)]
@@ -49,8 +48,7 @@ enum Command {
         #[arg(default_value = "monitor")]
         example: String,
     },
-    /// Builds the C library and its examples for the drive's chip, as C and as C++, runs them in the emulator, compares
-    /// their lines with those of the Rust examples on the host, and prints what the library takes.
+    /// The stage `c`, and what the C library takes.
     C,
     /// Processor in the loop: runs a recording of raw counts through the whole drive in the emulator (the example
     /// `drive`), compares every report with the host's, and counts the instructions of the interrupt.
@@ -64,20 +62,12 @@ enum Command {
         #[arg(long)]
         rust: PathBuf,
     },
-    /// The stage of the same name: the drive monitor under RTIC and embassy, and beside another crate's current loop.
-    Frameworks,
-    /// The stage of the same name: the documents' way into firmware, in empty projects and in the template.
-    Newcomer,
     /// Counts the kernels' instructions and bytes on the emulated chip.
     Measure {
         /// A JSON list instead of a table.
         #[arg(long)]
         json: bool,
     },
-    /// The stage of the same name: builds the Python package, installs it and runs its tests.
-    Python,
-    /// The stage of the same name: requirements have tests, and every `unsafe` is listed.
-    Trace,
     /// Writes the figures that README, book and docs quote: those of commands that take seconds, or those named.
     Docs {
         /// Blocks of documents, for example `target`, `campaign`, `tables`.
@@ -93,6 +83,9 @@ enum Command {
     /// Fetches what firmware builds, emulator runs and tests of pages need and the system does not have, into the
     /// target directory; other commands fetch what they need themselves.
     Setup,
+    /// A stage of `test` by its name alone: `frameworks`, `newcomer`, `python`, `trace` …
+    #[command(external_subcommand)]
+    Stage(Vec<String>),
 }
 
 fn main() -> ExitCode {
@@ -111,11 +104,7 @@ fn main() -> ExitCode {
 
 /// Whether everything that was asked for succeeded.
 fn run(command: Command, asked: Option<Way>) -> Result<bool> {
-    let ready = || {
-        let way = Way::choose(asked)?;
-        setup::ensure(&way.needs()?).map(|()| way)
-    };
-    let stage = |stage| test::run(&test::Options::of(stage), asked);
+    let ready = || Way::ready(asked);
     match command {
         Command::Test(options) => return test::run(&options, asked),
         Command::Long => println!("\n{}", cargo::measure_long()?.join("\n")),
@@ -124,22 +113,17 @@ fn run(command: Command, asked: Option<Way>) -> Result<bool> {
             println!("{}", qemu::run(&elf, DRIVE)?.join("\n"));
         }
         Command::C => {
-            let passed = stage(Stage::C)?;
-            test::measure_c(ready()?)?;
-            return Ok(passed);
+            let passed = test::run(&test::Options { stages: vec!["c".to_owned()], beside: false }, asked)?;
+            return test::measure_c(ready()?).map(|()| passed);
         }
         Command::Pil { trace, model, rust } => {
-            let [trace, binary, source] = [trace, model, rust].map(std::path::absolute);
-            test::run_pil(ready()?, &trace?, &test::Model { binary: binary?, source: Some(source?) })?;
+            let [trace, model, rust] = [trace, model, rust].map(std::path::absolute);
+            test::run_pil(ready()?, &trace?, &model?, &rust?)?;
         }
-        Command::Frameworks => return stage(Stage::Frameworks),
-        Command::Newcomer => return stage(Stage::Newcomer),
         Command::Measure { json } => {
             let figures = measure::figures(ready()?)?;
             print!("{}", if json { measure::json(&figures) + "\n" } else { measure::table(&figures) });
         }
-        Command::Python => return stage(Stage::Python),
-        Command::Trace => return stage(Stage::Trace),
         Command::Docs { names, check } => return docs::run(&names, check, asked),
         Command::Book => println!("{}", python::book()?.display()),
         Command::Release(options) => return release::run(&options, ready()?),
@@ -147,6 +131,10 @@ fn run(command: Command, asked: Option<Way>) -> Result<bool> {
             let way = ready()?;
             setup::ensure(&setup::ALL)?;
             println!("ready: firmware the {way} way, emulator, C compiler, browser, Python");
+        }
+        Command::Stage(words) => {
+            let arguments = ["cargo xtask".to_owned(), "test".to_owned()].into_iter().chain(words);
+            return run(Arguments::parse_from(arguments).command, asked);
         }
     }
     Ok(true)

@@ -130,10 +130,6 @@ pub fn run(names: &[String], check: bool, way: Option<Way>) -> Result<bool> {
 }
 
 fn blocks(name: &str, document: &'static str, from: Origin, way: Option<Way>) -> Result<Vec<Block>> {
-    let ready = || {
-        let way = Way::choose(way)?;
-        setup::ensure(&way.needs()?).map(|()| way)
-    };
     let single = |text: &str| Ok(vec![Block::new(document, name, text)]);
     match from {
         Workbench(command, picture) => {
@@ -151,12 +147,12 @@ fn blocks(name: &str, document: &'static str, from: Origin, way: Option<Way>) ->
         Tests(program, filter) => of_tests(name, document, program, filter),
         Quotes(template, _) => single(&template::filled(template, &[])?.join("\n")),
         Figures => {
-            let way = ready()?;
+            let way = Way::ready(way)?;
             let mut figures = measure::kernels(way)?;
             figures.extend(measure::any_data(way, &figures)?);
             of_figures(&figures)
         }
-        Signatures => single(measure::rows(&measure::signatures(ready()?)?).trim_end()),
+        Signatures => single(measure::rows(&measure::signatures(Way::ready(way)?)?).trim_end()),
         Endurance => {
             let steps: String = (1..=10).map(|step| format!(" {step} |")).collect();
             let head = format!("| what | one step |{steps}\n|{}", "---|".repeat(12));

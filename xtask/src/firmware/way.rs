@@ -45,6 +45,13 @@ impl Way {
         }
     }
 
+    /// The same way, when what it needs is there.
+    pub fn ready(asked: Option<Self>) -> Result<Self> {
+        let way = Self::choose(asked)?;
+        setup::ensure(&way.needs()?)?;
+        Ok(way)
+    }
+
     /// What building and running firmware this way need.
     pub fn needs(self) -> Result<Vec<&'static Need>> {
         match (self, self.hindrance(DRIVE.target)) {

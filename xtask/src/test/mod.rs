@@ -16,158 +16,87 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
-use clap::ValueEnum;
+use clap::builder::PossibleValuesParser;
 
-use crate::cargo::{self, cargo};
+use crate::cargo;
 use crate::child::{self, Started};
 use crate::firmware::way::Way;
 use crate::report::{Stages, Tally};
-use crate::setup::{self, Need};
+use crate::setup::{self, BROWSER, C_COMPILER, CMAKE, MAKE, Need, PIP, PYTHON};
 use crate::workspace;
 
 pub use c::{compared, measure as measure_c};
-pub use pil::{Model, run as run_pil};
+pub use dependencies::checks as dependencies;
+pub use pil::run as run_pil;
 pub use target::verdicts;
+
+/// A part of the run: its name, what it needs besides a way to build firmware, and its checks.
+type Stage = (&'static str, &'static [&'static Need], fn(&mut Tally, Way));
+
+/// Format, lints and unit tests: minutes.
+const QUICK: [&str; 3] = ["format", "lints", "units"];
+
+/// The stages of the host, in the order in which they use what others have built.
+const HOST: [Stage; 8] = [
+    ("format", &[], |tally, _| host::format(tally)),
+    ("lints", &[], |tally, _| host::lints(tally)),
+    ("trace", &[], |tally, _| requirements::checks(tally)),
+    ("documentation", &[&PYTHON, &PIP], |tally, _| host::documentation(tally)),
+    ("units", &[], |tally, _| host::tests(tally, &["--lib"])),
+    ("host", &[&BROWSER], |tally, _| host::tests(tally, &[cargo::TESTS, "--doc"])),
+    ("python", &[&PYTHON, &PIP], |tally, _| host::python(tally)),
+    ("dependencies", &[&PYTHON, &PIP], |tally, _| dependencies::checks(tally)),
+];
+
+/// The stages of the emulated chips.
+const TARGET: [Stage; 10] = [
+    ("firmware", &[], target::builds),
+    ("no-panic", &[], target::no_panic),
+    ("bounds", &[], target::bounds),
+    ("twins", &[], target::same_lines),
+    ("logging", &[], target::logging),
+    ("pil", &[], pil::check),
+    ("c", &[&C_COMPILER], c::checks),
+    ("frameworks", &[], frameworks::checks),
+    ("newcomer", &[&C_COMPILER, &MAKE, &CMAKE], newcomer::checks),
+    ("boards", &[], target::other_boards),
+];
 
 /// Options of the command.
 #[derive(clap::Args, Debug)]
 pub struct Options {
-    /// Stages, instead of all.
-    #[arg(value_enum)]
-    stages: Vec<Stage>,
+    /// Stages, instead of all; `quick` is format, lints and unit tests.
+    #[arg(value_parser = PossibleValuesParser::new(
+        ["quick"].into_iter().chain(HOST.map(|stage| stage.0)).chain(TARGET.map(|stage| stage.0)),
+    ))]
+    pub stages: Vec<String>,
     /// Ends with rows for the run beside which it goes, instead of the table.
     #[arg(long, hide = true)]
-    beside: bool,
-}
-
-impl Options {
-    /// One stage.
-    pub fn of(stage: Stage) -> Self {
-        Self { stages: vec![stage], beside: false }
-    }
-}
-
-/// A part of the run. Those of the host come first, in the order in which they use what others have built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub enum Stage {
-    /// Format, lints, and unit tests: minutes.
-    Quick,
-    /// Source is formatted.
-    Format,
-    /// Clippy finds nothing.
-    Lints,
-    /// Requirements have tests, and every `unsafe` is listed.
-    Trace,
-    /// The documentation of the crates builds, and the book.
-    Documentation,
-    /// The unit tests of all crates, which are among those of `host`.
-    Units,
-    /// Tests on this machine.
-    Host,
-    /// The Python package.
-    Python,
-    /// Licences, sources and advisories of the dependencies.
-    Dependencies,
-    /// All examples build for the drive's chip.
-    Firmware,
-    /// Nothing in the core can panic.
-    NoPanic,
-    /// Instructions, bytes and stack are within their bounds.
-    Bounds,
-    /// The emulated chip prints the host's lines.
-    Twins,
-    /// What firmware logs.
-    Logging,
-    /// Processor in the loop.
-    Pil,
-    /// The C library.
-    C,
-    /// The drive under other frameworks.
-    Frameworks,
-    /// The documents' ways into firmware.
-    Newcomer,
-    /// Other chips.
-    Boards,
-}
-
-impl Stage {
-    fn is_of_host(self) -> bool {
-        self < Self::Firmware
-    }
-
-    fn name(self) -> String {
-        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-    }
-
-    /// What it needs besides a way to build firmware.
-    fn needs(self) -> Vec<&'static Need> {
-        match self {
-            Self::Host => vec![&setup::BROWSER],
-            Self::Documentation | Self::Python | Self::Dependencies => vec![&setup::PYTHON, &setup::PIP],
-            Self::C => vec![&setup::C_COMPILER],
-            Self::Newcomer => vec![&setup::C_COMPILER, &setup::MAKE, &setup::CMAKE],
-            _ => Vec::new(),
-        }
-    }
-
-    fn checks(self, tally: &mut Tally, way: Way) {
-        match self {
-            Self::Quick => {}
-            Self::Format => host::format(tally),
-            Self::Lints => host::lints(tally),
-            Self::Trace => requirements::checks(tally),
-            Self::Documentation => host::documentation(tally),
-            Self::Units => host::tests(tally, &["--lib"]),
-            Self::Host => host::tests(tally, &[cargo::TESTS, "--doc"]),
-            Self::Python => host::python(tally),
-            Self::Dependencies => dependencies::checks(tally),
-            Self::Firmware => target::builds(tally, way),
-            Self::NoPanic => target::no_panic(tally, way),
-            Self::Bounds => target::bounds(tally, way),
-            Self::Twins => target::same_lines(tally, way),
-            Self::Logging => target::logging(tally, way),
-            Self::Pil => pil::check(tally, way),
-            Self::C => c::checks(tally, way),
-            Self::Frameworks => frameworks::checks(tally, way),
-            Self::Newcomer => newcomer::checks(tally, way),
-            Self::Boards => target::other_boards(tally, way),
-        }
-    }
-}
-
-/// Licences, sources and advisories of the dependencies, for a release.
-pub fn dependencies(tally: &mut Tally) {
-    dependencies::checks(tally);
+    pub beside: bool,
 }
 
 /// Runs the stages, prints the table and the count; whether nothing failed. What cannot be set up is an error before
 /// the first stage. A failing stage does not keep later ones from running. The stages of the target run beside those of
 /// the host, since the emulator and many builds use one processor.
 pub fn run(options: &Options, asked: Option<Way>) -> Result<bool> {
-    let all = Stage::value_variants().iter().filter(|stage| ![Stage::Quick, Stage::Units].contains(stage));
-    let mut chosen: Vec<Stage> = options.stages.clone();
-    if chosen.is_empty() {
-        chosen.extend(all);
-    }
-    if chosen.contains(&Stage::Quick) {
-        chosen.extend([Stage::Format, Stage::Lints, Stage::Units]);
-        chosen.retain(|stage| *stage != Stage::Quick);
-    }
-    chosen.sort_unstable();
-    chosen.dedup();
+    let wanted = |(name, ..): &Stage| {
+        let is_named = |wanted: &str| options.stages.iter().any(|own| own == wanted);
+        // The unit tests are among those of `host`.
+        options.stages.is_empty() && *name != "units" || is_named(name) || is_named("quick") && QUICK.contains(name)
+    };
+    let [host, target] = [&HOST[..], &TARGET].map(|all| all.iter().copied().filter(wanted).collect::<Vec<Stage>>());
     let mut stages = Stages::default();
-    let way = stages.stage("set-up", |tally| set_up(tally, &chosen, asked))?;
+    let way = stages.stage("set-up", |tally| set_up(tally, &host, &target, asked))?;
     if options.beside {
         stages = Stages::default();
     }
-    if options.beside || chosen.contains(&Stage::Host) {
+    if options.beside || host.iter().any(|stage| stage.0 == "host") {
         cargo::tests_are_built();
     }
-    let (host, target): (Vec<Stage>, Vec<Stage>) = chosen.iter().partition(|stage| stage.is_of_host());
     let beside = !host.is_empty() && !target.is_empty();
     let started = beside.then(|| start(way, &target));
-    for stage in if beside { host } else { chosen } {
-        stages.stage(&stage.name(), |tally| stage.checks(tally, way));
+    for (name, _, checks) in host.iter().chain(target.iter().filter(|_| !beside)) {
+        stages.stage(name, |tally| checks(tally, way));
     }
     if let Some(Err(error)) = started.map(|started| end(started?, &mut stages)) {
         stages.stage("target", |tally| tally.check("stages", Err::<&str, _>(error)));
@@ -180,14 +109,14 @@ pub fn run(options: &Options, asked: Option<Way>) -> Result<bool> {
 }
 
 /// Makes ready what the stages need; the way to build firmware.
-fn set_up(tally: &mut Tally, stages: &[Stage], asked: Option<Way>) -> Result<Way> {
-    for (stage, command, component) in [(Stage::Format, "fmt", "rustfmt"), (Stage::Lints, "clippy", "clippy")] {
-        let works = !stages.contains(&stage) || child::works(&mut cargo(&[command, "--version"]));
+fn set_up(tally: &mut Tally, host: &[Stage], target: &[Stage], asked: Option<Way>) -> Result<Way> {
+    for (stage, command, component) in [("format", "fmt", "rustfmt"), ("lints", "clippy", "clippy")] {
+        let works = host.iter().all(|own| own.0 != stage) || child::works(&mut cargo::cargo(&[command, "--version"]));
         ensure!(works, "{component} is not installed; run\n    rustup component add {component}");
     }
-    let mut needs: Vec<&Need> = stages.iter().flat_map(|stage| stage.needs()).collect();
+    let mut needs: Vec<&Need> = host.iter().chain(target).flat_map(|stage| stage.1.iter().copied()).collect();
     let mut way = Way::Rustup;
-    if stages.iter().any(|stage| !stage.is_of_host()) {
+    if !target.is_empty() {
         way = Way::choose(asked)?;
         needs.extend(way.needs()?);
         tally.check("firmware", Ok(format!("the {way} way")));
@@ -206,7 +135,7 @@ fn start(way: Way, stages: &[Stage]) -> Result<(Started, PathBuf)> {
     let errors = printed.try_clone()?;
     println!("\nThe stages of the target run beside those of the host; they print to {}", path.display());
     let mut command = Command::new(env::current_exe().context("where is this program?")?);
-    command.args(["--way", &way.to_string(), "test", "--beside"]).args(stages.iter().map(|stage| stage.name()));
+    command.args(["--way", &way.to_string(), "test", "--beside"]).args(stages.iter().map(|stage| stage.0));
     Ok((child::start(command.stdin(Stdio::null()).stdout(printed).stderr(errors))?, path))
 }
 

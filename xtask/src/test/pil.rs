@@ -18,26 +18,13 @@ use crate::workspace::{root, target_dir};
 /// The firmware that reads the rows.
 const EXAMPLE: &str = "drive";
 
-/// A model and its export as Rust.
-#[derive(Clone, Debug)]
-pub struct Model {
-    /// The binary model.
-    pub binary: PathBuf,
-    /// Absolute path of the source that `train --rust` wrote with it; `None` for the example's own one, with which it
-    /// is built anyway.
-    pub source: Option<PathBuf>,
-}
-
-impl Model {
-    fn of_example() -> Self {
-        Self { binary: root().join("examples/support/actuator/model.bwm"), source: None }
-    }
-}
+/// The binary model of the example, whose source it is built with anyway.
+const MODEL: &str = "examples/support/actuator/model.bwm";
 
 /// Runs the recording and prints the verdicts of `replay`, the lines of the chip, and what they cost. Fails if host and
 /// chip differ in a bit.
-pub fn run(way: Way, trace: &Path, model: &Model) -> Result<()> {
-    let (lines, cost) = compare(way, trace, model)?;
+pub fn run(way: Way, trace: &Path, model: &Path, source: &Path) -> Result<()> {
+    let (lines, cost) = compare(way, trace, model, Some(source))?;
     lines.iter().chain(&cost).for_each(|line| println!("{line}"));
     println!("all {} lines equal those of the host", lines.len());
     Ok(())
@@ -45,10 +32,11 @@ pub fn run(way: Way, trace: &Path, model: &Model) -> Result<()> {
 
 /// A simulated recording through the example's model.
 pub fn check(tally: &mut Tally, way: Way) {
-    let outcome = simulated().and_then(|trace| compare(way, &trace, &Model::of_example())).and_then(|(lines, cost)| {
-        ensure!(lines.iter().any(|line| line.contains("spall")), "no segment is called a spall: {lines:?}");
-        Ok(format!("{} lines; {}", lines.len(), cost.join(", ")))
-    });
+    let outcome =
+        simulated().and_then(|trace| compare(way, &trace, &root().join(MODEL), None)).and_then(|(lines, cost)| {
+            ensure!(lines.iter().any(|line| line.contains("spall")), "no segment is called a spall: {lines:?}");
+            Ok(format!("{} lines; {}", lines.len(), cost.join(", ")))
+        });
     tally.check("raw recording through the whole drive", outcome);
 }
 
@@ -64,17 +52,17 @@ fn simulated() -> Result<PathBuf> {
 /// Writes the rows of the simulated recording for the example's model. Returns the folder where firmware reads them,
 /// and the lines that the example prints on the host.
 pub fn host_lines() -> Result<(PathBuf, Vec<String>)> {
-    replayed(&simulated()?, &Model::of_example())
+    replayed(&simulated()?, &root().join(MODEL), None)
 }
 
-/// The same for a recording and a model.
-fn replayed(trace: &Path, model: &Model) -> Result<(PathBuf, Vec<String>)> {
+/// The same for a recording, a binary model, and the absolute path of the source that `train --rust` wrote with it.
+fn replayed(trace: &Path, model: &Path, source: Option<&Path>) -> Result<(PathBuf, Vec<String>)> {
     let folder = target_dir().join("pil");
     fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
     let mut replay = cargo::workbench()?;
-    replay.args(["replay", "--rows"]).arg(folder.join("rows.bin")).arg("--model").arg(&model.binary).arg(trace);
+    replay.args(["replay", "--rows"]).arg(folder.join("rows.bin")).arg("--model").arg(model).arg(trace);
     child::succeed(&mut replay)?;
-    let mut run = match &model.source {
+    let mut run = match source {
         Some(source) => {
             let mut cargo = cargo(&["run", "--quiet", "--example", EXAMPLE, "--manifest-path"]);
             cargo.arg(root().join("Cargo.toml")).env(build::MODEL, source);
@@ -87,9 +75,9 @@ fn replayed(trace: &Path, model: &Model) -> Result<(PathBuf, Vec<String>)> {
 }
 
 /// Lines of the firmware that equal those of the host, and those of its cost.
-fn compare(way: Way, trace: &Path, model: &Model) -> Result<(Vec<String>, Vec<String>)> {
-    let (folder, host) = replayed(trace, model)?;
-    let elf = match &model.source {
+fn compare(way: Way, trace: &Path, model: &Path, source: Option<&Path>) -> Result<(Vec<String>, Vec<String>)> {
+    let (folder, host) = replayed(trace, model, source)?;
+    let elf = match source {
         Some(source) => build_with_model(way, DRIVE, EXAMPLE, source)?,
         None => build(way, DRIVE, EXAMPLE)?,
     };
