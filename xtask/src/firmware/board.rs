@@ -52,9 +52,6 @@ pub const DRIVE: Board = board("Cortex-M4F", "netduinoplus2", WITH_FPU, Memory::
 /// A processor of another architecture, for the C library: the emulator's machine has any core of 32 bits.
 pub const RISCV: Board = board("RV32IMAFC", "virt", "riscv32imafc-unknown-none-elf", Memory::Top);
 
-/// What a C compiler needs to know of [`DRIVE`].
-pub const DRIVE_FLAGS: [&str; 4] = ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"];
-
 /// Other processors that must compute the same bits.
 pub const OTHERS: [Board; 2] = [
     board("Cortex-M7", "mps2-an500", WITH_FPU, Memory::Linker("mps2")),

@@ -31,12 +31,13 @@ pub const SMALLEST: &[&str] = &[r#"opt-level="s""#, r#"lto="fat""#, "codegen-uni
 /// Builds one example in release and returns its ELF file. Boards of one target, and builds with other settings, share
 /// the place of that file: use it before you build another.
 pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    build_with(way, board, example, &[])
+    build_with(way, board, example, &[], None)
 }
 
-/// The same with settings of the profile.
-pub fn build_with(way: Way, board: Board, example: &str, settings: &[&str]) -> Result<PathBuf> {
+/// The same with settings of the profile, and the model of a source file for the example `drive`.
+pub fn build_with(way: Way, board: Board, example: &str, settings: &[&str], model: Option<&Path>) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo("rustc", way, board);
+    cargo.envs(model.map(|source| (MODEL, source)));
     for setting in settings {
         cargo.args(["--config", &format!("profile.release.{setting}")]);
     }
@@ -48,13 +49,6 @@ pub fn build_with(way: Way, board: Board, example: &str, settings: &[&str]) -> R
         cargo.args(["--", "-C", &format!("link-arg=--remap-inputs=memory.x={}", board.memory.file().display())]);
     }
     child::succeed(&mut cargo)?;
-    existing(folder.join("examples").join(example))
-}
-
-/// Builds the example `drive` with the model of a source file.
-pub fn build_with_model(way: Way, board: Board, example: &str, source: &Path) -> Result<PathBuf> {
-    let (mut cargo, folder) = cargo("build", way, board);
-    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).env(MODEL, source))?;
     existing(folder.join("examples").join(example))
 }
 

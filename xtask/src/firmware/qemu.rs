@@ -1,5 +1,6 @@
 //! Runs firmware in the emulator: output by semihosting, repeatable time, and an end in any case.
 
+use std::io::Read;
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, Receiver};
@@ -23,49 +24,29 @@ pub fn run(elf: &Path, board: Board) -> Result<Vec<String>> {
 
 /// The same in a folder, whose files the firmware reads by semihosting.
 pub fn run_in(folder: &Path, elf: &Path, board: Board) -> Result<Vec<String>> {
-    within(&mut emulator(folder, elf, board, "")?, PATIENCE, decoder(elf)?).with_context(|| title(elf, board))
+    within(&mut emulator(folder, elf, board, "")?, PATIENCE, decoder(elf)?, None).with_context(|| title(elf, board))
 }
 
 /// Runs one test of a program for probe-rs, which gets its address as words of a command line.
 pub fn run_test(elf: &Path, board: Board, address: &str) -> Result<Vec<String>> {
     let words = format!(",arg=run_addr,arg={address}");
-    within(&mut emulator(Path::new("."), elf, board, &words)?, PATIENCE, None).with_context(|| title(elf, board))
+    within(&mut emulator(Path::new("."), elf, board, &words)?, PATIENCE, None, None).with_context(|| title(elf, board))
 }
 
 /// Runs an ELF file by a command that takes it as its last argument, as cargo calls a runner.
 pub fn run_by(runner: &mut Command, elf: &Path) -> Result<Vec<String>> {
-    within(runner.arg(std::path::absolute(elf)?), PATIENCE, None).with_context(|| format!("{runner:?}"))
+    within(runner.arg(std::path::absolute(elf)?), PATIENCE, None, None).with_context(|| format!("{runner:?}"))
 }
+
+/// Takes the lines of the log of the emulator.
+type Log<'a> = &'a mut (dyn FnMut(&str) -> Result<()> + Send);
 
 /// Runs a program, and hands over the lines of the log of the emulator: the instructions of every translated block, and
 /// every block that is executed.
-pub fn trace(
-    (folder, elf): (&Path, &Path),
-    board: Board,
-    mut line: impl FnMut(&str) -> Result<()> + Send,
-) -> Result<Vec<String>> {
+pub fn trace(folder: &Path, elf: &Path, board: Board, log: Log<'_>) -> Result<Vec<String>> {
     let mut command = emulator(folder, elf, board, "")?;
-    command.args(["-d", "in_asm,exec,nochain"]).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut started = child::start(&mut command)?;
-    let log = started.0.stderr.take().context("the emulator has no log")?;
-    let (printing, receiver) = read(started.0.stdout.take().context("the emulator has no output")?);
-    let (status, outcome) = thread::scope(|scope| {
-        let reader = scope.spawn(move || {
-            let mut outcome = Ok(());
-            child::split(log, |text| {
-                if outcome.is_ok() {
-                    outcome = line(text);
-                }
-            })?;
-            outcome
-        });
-        (wait(&mut started.0, PATIENCE), reader.join())
-    });
-    outcome.ok().context("the reader panicked")?.with_context(|| title(elf, board))?;
-    let status = status.with_context(|| title(elf, board))?;
-    ensure!(status.success(), "{} failed ({status}) in a trace", title(elf, board));
-    printing.join().ok().context("the reader panicked")??;
-    Ok(receiver.try_iter().collect())
+    command.args(["-d", "in_asm,exec,nochain"]).stderr(Stdio::piped());
+    within(&mut command, PATIENCE, None, Some(log)).with_context(|| title(elf, board))
 }
 
 /// A call of the emulator, with further words of the configuration of semihosting.
@@ -99,7 +80,12 @@ fn decoder(elf: &Path) -> Result<Option<Command>> {
     Ok(Some(decoder))
 }
 
-fn within(command: &mut Command, patience: Duration, decoder: Option<Command>) -> Result<Vec<String>> {
+fn within(
+    command: &mut Command,
+    patience: Duration,
+    decoder: Option<Command>,
+    log: Option<Log<'_>>,
+) -> Result<Vec<String>> {
     let mut emulator = child::start(command.stdin(Stdio::null()).stdout(Stdio::piped()))?;
     let mut output = emulator.0.stdout.take().context("the emulator has no output")?;
     let mut behind = None;
@@ -109,7 +95,12 @@ fn within(command: &mut Command, patience: Duration, decoder: Option<Command>) -
         behind = Some(started);
     }
     let (reader, receiver) = read(output);
-    let status = wait(&mut emulator.0, patience);
+    let stderr = emulator.0.stderr.take();
+    let (status, logged) = thread::scope(|scope| {
+        let logging = log.zip(stderr).map(|(line, log)| scope.spawn(move || each(log, line)));
+        (wait(&mut emulator.0, patience), logging.map_or(Ok(Ok(())), |logging| logging.join()))
+    });
+    logged.ok().context("the reader panicked")??;
     if status.is_ok() {
         reader.join().ok().context("the reader panicked")??;
         if let Some(mut decoder) = behind {
@@ -121,6 +112,17 @@ fn within(command: &mut Command, patience: Duration, decoder: Option<Command>) -
     let status = status.with_context(last)?;
     ensure!(status.success(), "the firmware failed ({status}); {}", last());
     Ok(lines)
+}
+
+/// Hands over the lines of a stream, which is read to its end also after an error.
+fn each(stream: impl Read, line: Log<'_>) -> Result<()> {
+    let mut outcome = Ok(());
+    child::split(stream, |text| {
+        if outcome.is_ok() {
+            outcome = line(text);
+        }
+    })?;
+    outcome
 }
 
 /// Reads lines on a thread, which must not hold up the clock of the emulator, and ends with its output.
@@ -156,7 +158,7 @@ mod tests {
     #[test]
     fn a_run_that_fails_or_has_no_end_is_an_error_with_its_last_line() {
         let shell = |script: &str, ms| {
-            let outcome = within(Command::new("sh").args(["-c", script]), Duration::from_millis(ms), None);
+            let outcome = within(Command::new("sh").args(["-c", script]), Duration::from_millis(ms), None, None);
             outcome.map_err(|error| format!("{error:#}"))
         };
         assert_eq!(shell("echo a; printf b", 20_000), Ok(vec!["a".to_owned(), "b".to_owned()]));

@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use super::board::DRIVE;
 use crate::cargo::rustc;
 use crate::child;
-use crate::setup::{self, Need};
+use crate::setup;
 
 /// Names the way where no argument does.
 const VARIABLE: &str = "BEARING_WATCH_FIRMWARE";
@@ -38,7 +38,7 @@ impl Way {
             (Some(way), _) => Ok(way),
             (None, Some(name)) => Self::from_str(&name, true).map_err(|error| anyhow::anyhow!("{VARIABLE}: {error}")),
             (None, None) if Self::Rustup.hindrance(DRIVE.target).is_none() => Ok(Self::Rustup),
-            (None, None) if child::on_path("apt-get") || setup::is_ready(&setup::COMPILER) => Ok(Self::Debian),
+            (None, None) if child::on_path("apt-get") || setup::is_ready("compiler") => Ok(Self::Debian),
             (None, None) => {
                 bail!("no compiler for {target}; run\n    rustup target add {target}", target = DRIVE.target)
             }
@@ -53,12 +53,12 @@ impl Way {
     }
 
     /// What building and running firmware this way need.
-    pub fn needs(self) -> Result<Vec<&'static Need>> {
+    pub fn needs(self) -> Result<Vec<&'static str>> {
         match (self, self.hindrance(DRIVE.target)) {
             // Left to the user: it changes their toolchain.
             (_, Some(hindrance)) => bail!("the target {} is not installed; {hindrance}", DRIVE.target),
-            (Self::Rustup, None) => Ok(vec![&setup::EMULATOR]),
-            (Self::Debian, None) => Ok(vec![&setup::COMPILER, &setup::EMULATOR]),
+            (Self::Rustup, None) => Ok(vec!["qemu"]),
+            (Self::Debian, None) => Ok(vec!["compiler", "qemu"]),
         }
     }
 

@@ -148,7 +148,7 @@ fn by_script(tally: &mut Tally, name: &str, program: Option<Tool>, prepare: impl
 
 /// What the archive of the C library is made of.
 fn archive(script: &mut Command, way: Way) -> Result<()> {
-    setup::ensure(&[&setup::C_COMPILER, &setup::MAKE, &setup::CMAKE, &setup::RISCV])?;
+    setup::ensure(&["c-compiler", "make", "cmake", "riscv"])?;
     let folder = target_dir().join("archive");
     if folder.exists() {
         fs::remove_dir_all(&folder)?;

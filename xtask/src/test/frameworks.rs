@@ -2,27 +2,21 @@
 //! field-oriented control of another crate: recorded, described, trained, and watched in closed loop in the emulator, as
 //! its engineers would do it.
 
-use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
 use super::pil;
 use super::target::equal;
-use crate::cargo::{self, cargo};
+use crate::cargo;
 use crate::child;
 use crate::firmware::board::DRIVE;
 use crate::firmware::build::{build_crate, build_suite};
 use crate::firmware::way::Way;
 use crate::firmware::{elf, qemu};
 use crate::report::Tally;
-use crate::workspace;
-
-/// What no recording tells: amperes a count by the data sheet, and the bearing by its number (608).
-const SET: [(&str, &str, &str); 2] = [
-    ("front_end.toml", "gain_a = [1.000000e0, 1.000000e0]", "gain_a = [0.01, 0.01]"),
-    ("drive.toml", "# bearing = [9, 3, 17, 10]", "bearing = [7, 3.97, 15, 0]"),
-];
+use crate::workspace::{root, target_dir};
 
 /// Each program must print the lines of the example `drive` on the host.
 pub fn checks(tally: &mut Tally, way: Way) {
@@ -34,7 +28,7 @@ pub fn checks(tally: &mut Tally, way: Way) {
 }
 
 fn crates() -> PathBuf {
-    workspace::root().join("frameworks")
+    root().join("frameworks")
 }
 
 fn compare(way: Way, name: &str) -> Result<String> {
@@ -58,27 +52,14 @@ fn on_board(way: Way) -> Result<String> {
     Ok(tests.into_keys().collect::<Vec<_>>().join(", "))
 }
 
-/// Records the drive, describes and trains; builds the drive with the model, and runs it.
+/// Trains with recordings of the drive, builds it with the model, and runs it.
 fn closed_loop(way: Way) -> Result<String> {
-    let folder = workspace::target_dir().join("closed-loop");
-    let recordings = folder.join("recordings");
-    if recordings.exists() {
-        fs::remove_dir_all(&recordings)?;
-    }
-    let mut record = cargo(&["run", "--quiet", "--release", "--package", "drive-foc", "--example", "record", "--"]);
-    record.env("CARGO_TARGET_DIR", folder.join("target")).current_dir(crates());
-    // Seconds of a record, and records of each class.
-    child::succeed(record.arg(&recordings).args(["4", "40"]))?;
-    child::succeed(cargo::workbench()?.current_dir(&recordings).args(["--quiet", "init", "--front-end", "."]))?;
-    for (file, found, set) in SET {
-        let path = recordings.join(file);
-        let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        ensure!(text.contains(found), "{file} has no line {found}");
-        fs::write(&path, text.replace(found, set))?;
-    }
-    let train = ["--quiet", "train", "drive.toml", "--model", "out.bwm", "--rust", "model.rs"];
-    child::succeed(cargo::workbench()?.current_dir(&recordings).args(train))?;
-    let elf = build_crate(way, &crates().join("foc"), "drive-foc", Some(&recordings.join("model.rs")))?;
+    let (target, folder) = (target_dir().join("closed-loop"), target_dir().join("closed-loop/recordings"));
+    let mut train = Command::new("sh");
+    train.arg("foc/train.sh").current_dir(crates()).env("CARGO_TARGET_DIR", target.join("target"));
+    train.env("FOLDER", &folder).env("WORKBENCH", cargo::workbench()?.get_program());
+    child::succeed(&mut train)?;
+    let elf = build_crate(way, &crates().join("foc"), "drive-foc", Some(&folder.join("model.rs")))?;
     judge(&qemu::run(&elf, DRIVE)?)
 }
 

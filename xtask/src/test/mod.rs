@@ -22,7 +22,7 @@ use crate::cargo;
 use crate::child::{self, Started};
 use crate::firmware::way::Way;
 use crate::report::{Stages, Tally};
-use crate::setup::{self, BROWSER, C_COMPILER, CMAKE, MAKE, Need, PIP, PYTHON};
+use crate::setup;
 use crate::workspace;
 
 pub use c::{compared, measure as measure_c};
@@ -31,7 +31,7 @@ pub use pil::run as run_pil;
 pub use target::verdicts;
 
 /// A part of the run: its name, what it needs besides a way to build firmware, and its checks.
-type Stage = (&'static str, &'static [&'static Need], fn(&mut Tally, Way));
+type Stage = (&'static str, &'static [&'static str], fn(&mut Tally, Way));
 
 /// Format, lints and unit tests: minutes.
 const QUICK: [&str; 3] = ["format", "lints", "units"];
@@ -41,11 +41,11 @@ const HOST: [Stage; 8] = [
     ("format", &[], |tally, _| host::format(tally)),
     ("lints", &[], |tally, _| host::lints(tally)),
     ("trace", &[], |tally, _| requirements::checks(tally)),
-    ("documentation", &[&PYTHON, &PIP], |tally, _| host::documentation(tally)),
+    ("documentation", &["python", "pip"], |tally, _| host::documentation(tally)),
     ("units", &[], |tally, _| host::tests(tally, &["--lib"])),
-    ("host", &[&BROWSER], |tally, _| host::tests(tally, &[cargo::TESTS, "--doc"])),
-    ("python", &[&PYTHON, &PIP], |tally, _| host::python(tally)),
-    ("dependencies", &[&PYTHON, &PIP], |tally, _| dependencies::checks(tally)),
+    ("host", &["chromium"], |tally, _| host::tests(tally, &[cargo::TESTS, "--doc"])),
+    ("python", &["python", "pip"], |tally, _| host::python(tally)),
+    ("dependencies", &["python", "pip"], |tally, _| dependencies::checks(tally)),
 ];
 
 /// The stages of the emulated chips.
@@ -56,9 +56,9 @@ const TARGET: [Stage; 10] = [
     ("twins", &[], target::same_lines),
     ("logging", &[], target::logging),
     ("pil", &[], pil::check),
-    ("c", &[&C_COMPILER], c::checks),
+    ("c", &["c-compiler"], c::checks),
     ("frameworks", &[], frameworks::checks),
-    ("newcomer", &[&C_COMPILER, &MAKE, &CMAKE], newcomer::checks),
+    ("newcomer", &["c-compiler", "make", "cmake"], newcomer::checks),
     ("boards", &[], target::other_boards),
 ];
 
@@ -114,7 +114,7 @@ fn set_up(tally: &mut Tally, host: &[Stage], target: &[Stage], asked: Option<Way
         let works = host.iter().all(|own| own.0 != stage) || child::works(&mut cargo::cargo(&[command, "--version"]));
         ensure!(works, "{component} is not installed; run\n    rustup component add {component}");
     }
-    let mut needs: Vec<&Need> = host.iter().chain(target).flat_map(|stage| stage.1.iter().copied()).collect();
+    let mut needs: Vec<&str> = host.iter().chain(target).flat_map(|stage| stage.1.iter().copied()).collect();
     let mut way = Way::Rustup;
     if !target.is_empty() {
         way = Way::choose(asked)?;

@@ -9,7 +9,7 @@ use super::target::equal;
 use crate::cargo::{self, cargo};
 use crate::child;
 use crate::firmware::board::DRIVE;
-use crate::firmware::build::{self, build, build_with_model};
+use crate::firmware::build::{self, build_with};
 use crate::firmware::qemu;
 use crate::firmware::way::Way;
 use crate::report::Tally;
@@ -77,10 +77,7 @@ fn replayed(trace: &Path, model: &Path, source: Option<&Path>) -> Result<(PathBu
 /// Lines of the firmware that equal those of the host, and those of its cost.
 fn compare(way: Way, trace: &Path, model: &Path, source: Option<&Path>) -> Result<(Vec<String>, Vec<String>)> {
     let (folder, host) = replayed(trace, model, source)?;
-    let elf = match source {
-        Some(source) => build_with_model(way, DRIVE, EXAMPLE, source)?,
-        None => build(way, DRIVE, EXAMPLE)?,
-    };
+    let elf = build_with(way, DRIVE, EXAMPLE, &[], source)?;
     let target = qemu::run_in(&folder, &elf, DRIVE)?;
     // What only the chip prints.
     let (cost, target): (Vec<String>, Vec<String>) = target.into_iter().partition(|line| line.starts_with("cost: "));

@@ -100,7 +100,7 @@ pub fn no_panic(tally: &mut Tally, way: Way) {
     for (title, settings) in
         [("", &[] as &[&str]), (", overflow checks on", build::CHECKED), (", opt-level s", build::SMALL)]
     {
-        let built = build_with(way, DRIVE, "panic_free", settings);
+        let built = build_with(way, DRIVE, "panic_free", settings, None);
         let ran = built.and_then(|elf| qemu::run(&elf, DRIVE)).map(|_| "");
         tally.check(&format!("panic_free links and runs{title}"), ran);
     }

@@ -40,7 +40,7 @@ pub fn lines(elf: &Path, board: Board) -> Result<(Vec<String>, Counts<Vec<String
     // Left there by a run that was ended, it would replace the counts.
     let _none_there = fs::remove_file(&given);
     let (mut trace, mut recorder) = (Trace::default(), Recorder::default());
-    let lines = qemu::trace((folder, elf), board, |line| trace.line(line, |executed| recorder.execute(executed)))?;
+    let lines = qemu::trace(folder, elf, board, &mut |line| trace.line(line, |executed| recorder.execute(executed)))?;
     ensure!(recorder.open.is_none(), "a batch has no end");
     ensure!(!recorder.batches[0].is_empty(), "{} counts nothing", elf.display());
     let mut again = Counts::<Vec<String>>::default();

@@ -3,8 +3,11 @@
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{Context, Result};
+
+use crate::child;
 
 /// An empty folder outside the checkout, which is removed at the end.
 #[derive(Debug)]
@@ -33,17 +36,7 @@ impl Drop for Folder {
     }
 }
 
-/// Copies a folder with all folders in it.
-pub fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to)?;
-    for entry in from.read_dir().with_context(|| format!("no folder {}", from.display()))? {
-        let entry = entry?;
-        let target = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            copy(&entry.path(), &target)?;
-        } else {
-            fs::copy(entry.path(), target)?;
-        }
-    }
-    Ok(())
+/// Copies folders, with all folders in them, to the same places in another one.
+pub fn copy(folders: &[&str], from: &Path, to: &Path) -> Result<()> {
+    child::succeed(Command::new("cp").args(["-r", "--parents"]).args(folders).arg(to).current_dir(from))
 }

@@ -16,7 +16,7 @@ use serde_json::Value;
 use super::c;
 use crate::cargo;
 use crate::child;
-use crate::firmware::board::{DRIVE, DRIVE_FLAGS};
+use crate::firmware::board::DRIVE;
 use crate::firmware::build::build_crate;
 use crate::firmware::way::Way;
 use crate::firmware::{elf, qemu};
@@ -24,7 +24,8 @@ use crate::report::Tally;
 use crate::workspace::{root, target_dir};
 use blocks::Blocks;
 
-pub use folder::{Folder, copy};
+pub use folder::Folder;
+use folder::copy;
 
 /// The chapter that goes from an empty folder to firmware.
 const CHAPTER: &str = "book/src/firmware.md";
@@ -67,7 +68,6 @@ pub fn checks(tally: &mut Tally, way: Way) {
     for (name, build, program) in BUILDERS {
         tally.check(&format!("README of the C interface, {name}"), by_readme(way, build, program));
     }
-    tally.check("README of the C interface, samples of the drive's own", own_samples());
 }
 
 /// The chapter's blocks and commands in an empty folder.
@@ -83,7 +83,7 @@ fn by_book(way: Way) -> Result<String> {
 fn by_template(way: Way) -> Result<String> {
     let (folder, recorded) = (Folder::new("template")?, Folder::new("recorded")?);
     let blocks = Blocks::of_document(CHAPTER)?;
-    copy(&root().join("template"), folder.path())?;
+    copy(&["."], &root().join("template"), folder.path())?;
     blocks.write(Some(&["Cargo.toml"]), folder.path(), &root())?;
     commands(&blocks, recorded.path(), &root())?;
     for file in ["rows.bin", TRACE] {
@@ -112,9 +112,8 @@ fn verdicts(way: Way, folder: &Path) -> Result<String> {
 /// The project of the document, with a checkout after the library was built in it.
 fn by_readme(way: Way, build: &str, program: &str) -> Result<String> {
     let (folder, checkout) = (Folder::new("project")?, Folder::new("checkout")?);
-    for part in ["c-api/include", "c-api/examples", "examples/support/actuator"] {
-        copy(&root().join(part), &checkout.path().join(part))?;
-    }
+    let parts = ["c-api/include", "c-api/examples", "examples/support/actuator"];
+    copy(&parts, &root(), checkout.path())?;
     let (library, built) = (checkout.path().join(LIBRARY), c::actuator_library(way)?);
     fs::create_dir_all(library.parent().context("no folder of the library")?)?;
     // What it needs, and that it has a model of its own.
@@ -131,19 +130,6 @@ pub fn write_project(folder: &Path, checkout: &Path) -> Result<()> {
     let blocks = Blocks::of_document(README)?;
     blocks.write(None, folder, checkout)?;
     commands(&blocks, folder, checkout)
-}
-
-/// The program for a drive with samples of its own compiles with the model of such a drive.
-fn own_samples() -> Result<&'static str> {
-    let folder = Folder::new("own-samples")?;
-    Blocks::of_document(README)?.write(Some(&["detector.c"]), folder.path(), &root())?;
-    let mut compiler = Command::new("arm-none-eabi-gcc");
-    compiler.args(DRIVE_FLAGS).args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]);
-    for include in ["c-api/include", "c-api/tests/chip", "examples/support/standard_rig"] {
-        compiler.arg("-I").arg(root().join(include));
-    }
-    child::succeed(compiler.arg(folder.path().join("detector.c")))?;
-    Ok("it compiles")
 }
 
 /// Runs the commands of a document in a folder, with `bearing-watch` on the search path.
