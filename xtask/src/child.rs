@@ -1,19 +1,15 @@
-//! Runs other programs: passes their lines through while reading them, and says plainly what failed. Each has a process
-//! group of its own, and a signal that ends this program ends all of them.
+//! Runs other programs: passes their lines through while reading them, and says plainly what failed. They are in the
+//! process group of this one, which the signals of a terminal end as a whole.
 
 use std::env;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Read};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
-use std::sync::Mutex;
 use std::thread;
 
 use anyhow::{Context, Result, ensure};
 
 use crate::workspace;
-
-/// Leaders of the process groups that have not ended.
-static GROUPS: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
 /// A program that was started. Whoever lets go of one that still runs, as after an error, ends it.
 #[derive(Debug)]
@@ -21,56 +17,18 @@ pub struct Started(pub Child);
 
 impl Drop for Started {
     fn drop(&mut self) {
-        if !matches!(self.0.try_wait(), Ok(Some(_))) {
-            end(self.0.id(), true);
-            // An error means that the exit status was collected before.
-            let _ = self.0.wait();
-        }
-        if let Ok(mut groups) = GROUPS.lock() {
-            groups.retain(|leader| *leader != self.0.id());
-        }
+        // An error means that it has ended.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
-
-/// From now on, Ctrl-C, SIGTERM and SIGHUP end all programs that were started, and this one with status 130.
-pub fn end_by_signal() -> Result<()> {
-    ctrlc::set_handler(|| {
-        // Not released again: nothing starts any more.
-        let groups = GROUPS.lock();
-        groups.iter().flat_map(|groups| groups.iter()).for_each(|leader| end(*leader, false));
-        std::process::exit(130);
-    })
-    .context("signals cannot be handled")
-}
-
-/// Returns unless a signal is ending the programs: its handler then ends this one too.
-pub fn settle() {
-    drop(GROUPS.lock());
-}
-
-#[cfg(unix)]
-fn end(leader: u32, at_once: bool) {
-    use nix::sys::signal::{Signal, killpg};
-    let signal = if at_once { Signal::SIGKILL } else { Signal::SIGTERM };
-    // A group that has ended meanwhile is no fault.
-    let _ = killpg(nix::unistd::Pid::from_raw(i32::try_from(leader).unwrap_or(i32::MAX)), signal);
-}
-
-#[cfg(not(unix))]
-fn end(_: u32, _: bool) {}
 
 /// Starts a program with what was set up on its search path.
 pub fn start(command: &mut Command) -> Result<Started> {
     if !command.get_envs().any(|(name, _)| name == "PATH") {
         command.env("PATH", search_path());
     }
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(command, 0);
-    // Held while the program starts: a signal either comes before, and nothing starts any more, or finds the group.
-    let mut groups = GROUPS.lock().ok().context("the list of programs is lost")?;
-    let child = command.spawn().with_context(|| format!("cannot start {}", name(command)))?;
-    groups.push(child.id());
-    Ok(Started(child))
+    Ok(Started(command.spawn().with_context(|| format!("cannot start {}", name(command)))?))
 }
 
 /// Runs to the end and hands over every line of standard output as it comes. Standard error goes straight to the user.

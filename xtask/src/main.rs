@@ -90,9 +90,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let Arguments { way, command } = Arguments::parse();
-    let outcome = child::end_by_signal().and_then(|()| run(command, way));
-    child::settle();
-    match outcome {
+    match run(command, way) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {

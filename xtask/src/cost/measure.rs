@@ -78,24 +78,12 @@ pub fn kernels(way: Way) -> Result<Vec<Figure>> {
             figures.push(Figure { name: format!("{}, on a {}", figure.name, NO_FPU.core), ..figure });
         }
     }
-    figures.extend(footprints(way, &FOOTPRINTS)?);
-    Ok(figures)
-}
-
-/// What signatures take.
-pub fn signatures(way: Way) -> Result<Vec<Figure>> {
-    let mut figures = printed(&build(way, DRIVE, "measure_signature")?, DRIVE)?;
-    figures.extend(footprints(way, FOOTPRINTS.last_chunk::<2>().context("two examples of signatures")?)?);
-    Ok(figures)
-}
-
-fn footprints(way: Way, programs: &[(&str, Option<u64>, &str, &str)]) -> Result<Vec<Figure>> {
-    let flash = |example: &str| Ok::<_, anyhow::Error>(elf::sizes(&build(way, DRIVE, example)?)?.flash);
-    let figure = |(name, n, example, without): &(&str, Option<u64>, &str, &str)| {
+    let flash = |example: &str| anyhow::Ok(elf::sizes(&build(way, DRIVE, example)?)?.flash);
+    for (name, n, example, without) in FOOTPRINTS {
         let (name, bytes) = (format!("flash of {name}"), Some(flash(example)?.saturating_sub(flash(without)?)));
-        Ok(Figure { name, n: *n, bytes, ..Figure::default() })
-    };
-    programs.iter().map(figure).collect()
+        figures.push(Figure { name, n, bytes, ..Figure::default() });
+    }
+    Ok(figures)
 }
 
 /// The most instructions of each call over all streams: those of a search over damaged ones, and those of `kernels`.
@@ -159,15 +147,7 @@ pub fn json(figures: &[Figure]) -> String {
     format!("[\n{}\n]", figures.iter().map(object).collect::<Vec<_>>().join(",\n"))
 }
 
-/// The rows of a table of a document.
-pub fn rows(figures: &[Figure]) -> String {
-    let cell = |value: Option<u64>| value.map_or_else(String::new, |v| v.to_string());
-    let row = |f: &Figure| format!("| {} | {} | {} |\n", f.name, cell(f.instructions), cell(f.bytes));
-    let head = "| What | Instructions | Bytes |\n|---|---:|---:|\n";
-    std::iter::once(head.to_owned()).chain(figures.iter().map(row)).collect()
-}
-
-/// The same for people, with cycles without wait states of the flash and with those of the drive's chip.
+/// A table for people, with cycles without wait states of the flash and with those of the drive's chip.
 pub fn table(figures: &[Figure]) -> String {
     let cell = |value: Option<u64>| value.map_or_else(|| "–".to_owned(), |v| v.to_string());
     let width = figures.iter().map(|f| f.name.chars().count()).max();

@@ -33,7 +33,6 @@ enum Origin {
     Quotes(&'static str, &'static [&'static str]),
     /// Figures that firmware counts.
     Figures,
-    Signatures,
     Endurance,
     /// A script of `xtask`, which prints the block.
     Script(&'static str),
@@ -42,7 +41,7 @@ enum Origin {
 /// A source: the argument of `cargo xtask docs`, its document, and what computes it.
 type Source = (&'static str, &'static str, Origin);
 
-use Origin::{Endurance, Figures, Quotes, Script, Signatures, Tests, Workbench};
+use Origin::{Endurance, Figures, Quotes, Script, Tests, Workbench};
 
 /// Sources that take seconds; others run by name only.
 const QUICK: [&str; 7] = ["target", "demo", "instruments", "faults", "summary", "results", "needs"];
@@ -76,7 +75,7 @@ const SOURCES: [Source; 26] = [
     ("endurance", "docs/endurance.md", Endurance),
     ("peers", "docs/peers.md", Script("peers/peers.sh")),
     ("reading", "docs/peers.md", Script("peers/reading.sh")),
-    ("signature", "docs/safety.md", Signatures),
+    ("signature", "docs/safety.md", Figures),
     ("book", "book/src/plots.md", Script("docs/book.sh")),
     // After those that they quote.
     ("summary", "book/src/introduction.md", Quotes(include_str!("../../docs/templates/summary.md"), &["campaign"])),
@@ -85,10 +84,11 @@ const SOURCES: [Source; 26] = [
 ];
 
 /// Templates of the tables of cost, with their documents.
-const COST: [(&str, &str, &str); 3] = [
+const COST: [(&str, &str, &str); 4] = [
     ("target", "book/src/target.md", include_str!("../../docs/templates/target.md")),
     ("target-cycles", "book/src/target.md", include_str!("../../docs/templates/target-cycles.md")),
     ("target-interrupt", "docs/boards.md", include_str!("../../docs/templates/target-interrupt.md")),
+    ("signature", "docs/safety.md", include_str!("../../docs/templates/signature.md")),
 ];
 
 /// The same source gives the same counts with one compiler; other compilers differ by a few percent.
@@ -110,7 +110,7 @@ pub fn run(names: &[String], check: bool, way: Option<Way>) -> Result<bool> {
     for (name, document, from) in SOURCES.iter().filter(wanted) {
         println!("{name}");
         let tolerance = match from {
-            Figures | Signatures => OF_COUNTS,
+            Figures => OF_COUNTS,
             _ if *document == "docs/peers.md" => Tolerance::Any,
             _ => Tolerance::Exact,
         };
@@ -152,7 +152,6 @@ fn blocks(name: &str, document: &'static str, from: Origin, way: Option<Way>) ->
             figures.extend(measure::any_data(way, &figures)?);
             of_figures(&figures)
         }
-        Signatures => single(measure::rows(&measure::signatures(Way::ready(way)?)?).trim_end()),
         Endurance => {
             let steps: String = (1..=10).map(|step| format!(" {step} |")).collect();
             let head = format!("| what | one step |{steps}\n|{}", "---|".repeat(12));
@@ -202,9 +201,9 @@ fn of_tests(name: &str, file: &'static str, program: &str, filter: &str) -> Resu
     let mut cargo = cargo::cargo(&["test", "--quiet", "--package", "host-tests", "--test", program, "--", filter]);
     let mut lines = Vec::new();
     child::lines(cargo.args(["--show-output", "--include-ignored"]), |line| lines.push(line.to_owned()))?;
-    let blocks = block::printed(&lines, file);
+    let blocks = block::all(&lines.join("\n"), file)?;
     for wanted in block::names(&fs::read_to_string(root().join(file))?)? {
-        let found = !fills(name, &wanted) || blocks.iter().any(|block| block.name == wanted);
+        let found = !fills(name, wanted) || blocks.iter().any(|block| block.name == wanted);
         ensure!(found, "the tests `{filter}` printed no block `{wanted}`:\n{}", lines.join("\n"));
     }
     Ok(blocks)
@@ -231,7 +230,8 @@ mod tests {
         }
         let mut found = Vec::new();
         for file in files.iter().filter(|file| file.extension().is_some_and(|extension| extension == "md")) {
-            found.extend(block::names(&fs::read_to_string(file)?).with_context(|| file.display().to_string())?);
+            let blocks = block::all(&fs::read_to_string(file)?, "").with_context(|| file.display().to_string())?;
+            found.extend(blocks.into_iter().map(|block| block.name));
         }
         found.sort();
         assert!(found.windows(2).all(|pair| pair[0] != pair[1]), "a name occurs twice: {found:?}");

@@ -69,18 +69,18 @@ pub fn c_library((way, board): (Way, Board), plan: &str, features: &str, setting
     cargo.env("BEARING_WATCH_PLAN", plan).args(["--package", "bearing-watch-c", "--lib", "--features", features]);
     cargo.args(settings.iter().map(|setting| format!("--config=profile.release.{setting}")));
     child::succeed(&mut cargo)?;
+    // By the script that users call, which exports the functions `bw_…` alone.
     let (prefix, options) =
         if board == RISCV { ("riscv64-unknown-elf-", "-m elf32lriscv") } else { ("arm-none-eabi-", "") };
-    export(prefix, options, &existing(folder.join("libbearing_watch_c.a"))?)
-}
-
-/// Makes a static library that exports the functions `bw_…` alone beside the one that cargo makes, by the script that
-/// users call, with the binary utilities of a prefix and options of their linker.
-pub fn export(prefix: &str, options: &str, library: &Path) -> Result<PathBuf> {
-    let made = library.with_file_name("libbearing_watch.a");
-    let mut shell = Command::new("sh");
-    shell.arg(workspace::root().join("c-api/export.sh")).arg(prefix).args([library, &made]).env("LD_FLAGS", options);
+    let library = existing(folder.join("libbearing_watch_c.a"))?;
+    let (made, mut shell) = (library.with_file_name("libbearing_watch.a"), Command::new("sh"));
+    shell.arg(workspace::root().join("c-api/export.sh")).arg(prefix).args([&library, &made]).env("LD_FLAGS", options);
     child::succeed(&mut shell)?;
+    let mut symbols = Command::new(format!("{prefix}nm"));
+    let names = child::output(symbols.args(["-g", "--defined-only", "-j"]).arg(&made)).unwrap_or_default();
+    let foreign = |line: &&str| !line.is_empty() && !line.ends_with(':') && !line.starts_with("bw_");
+    let foreign: Vec<&str> = names.lines().filter(foreign).collect();
+    ensure!(names.contains("\nbw_init\n") && foreign.is_empty(), "the library defines {foreign:?}");
     Ok(made)
 }
 

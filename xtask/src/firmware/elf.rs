@@ -5,9 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use object::read::archive::ArchiveFile;
 use object::read::elf::{ElfFile32, SectionHeader};
-use object::{Endianness, Object as _, ObjectSection as _, ObjectSymbol as _, elf};
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _, elf};
 
 /// Where RAM starts on every Cortex-M; code lies below.
 const RAM: u32 = 0x2000_0000;
@@ -61,22 +60,6 @@ pub fn ensure_no_panic(path: &Path) -> Result<&'static str> {
         ensure!(panics.is_empty(), "it calls {}", panics.join(", "));
         Ok("")
     })
-}
-
-/// All symbols of a static library that others may link with are those of the interface.
-pub fn ensure_exports(path: &Path) -> Result<()> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let (mut functions, mut others) = (0, Vec::new());
-    for member in ArchiveFile::parse(&*bytes)?.members() {
-        // What is no ELF file, such as a compiler's notes, defines no symbol for the linker.
-        let Ok(file) = ElfFile32::<Endianness>::parse(member?.data(&*bytes)?) else { continue };
-        for symbol in file.symbols().filter(|symbol| symbol.is_global() && symbol.is_definition()) {
-            let name = symbol.name()?;
-            if name.starts_with("bw_") { functions += 1 } else { others.push(name.to_owned()) }
-        }
-    }
-    ensure!(functions > 0 && others.is_empty(), "{functions} functions bw_…, and {others:?}");
-    Ok(())
 }
 
 /// The names and addresses of the tests for probe-rs: the symbols of a section of its own are called as JSON says of

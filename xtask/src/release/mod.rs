@@ -9,12 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
-use clap::ValueEnum;
+use clap::builder::PossibleValuesParser;
 
 use crate::cargo::{self, metadata};
 use crate::firmware::board::{Board, DRIVE, NO_FPU, RISCV};
 use crate::firmware::build::{self, c_library};
-use crate::firmware::elf;
 use crate::firmware::way::Way;
 use crate::python::{CYCLONEDX, HACK, MATURIN, SEMVER_CHECKS, Tool, tool, venv};
 use crate::report::{Stages, Tally};
@@ -22,33 +21,42 @@ use crate::test::newcomer;
 use crate::workspace::{root, target_dir};
 use crate::{child, setup, test};
 
-/// What is released or checked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Part {
-    /// The crates for crates.io, each built alone from what its package has.
-    Packages,
-    /// The archive of the C library, and its ways into empty projects.
-    C,
-    /// Source distribution and wheel of the Python package, and its way into an empty environment.
-    Wheel,
-    /// Bills of materials in the format of CycloneDX.
-    Sbom,
-    /// The public interface, compared with that of the last release.
-    Interface,
-    /// Combinations of features on the host and on chips.
-    Features,
-    /// Lowest versions of dependencies and compiler.
-    Oldest,
-    /// Licences, sources, advisories.
-    Dependencies,
+/// What the scripts get.
+struct Call<'a> {
+    way: Way,
+    baseline: Option<&'a str>,
+    script: Command,
 }
+
+/// A check: the part that it belongs to, its script, a program of another project that the script calls, and what else
+/// the script gets.
+type Check = (&'static str, &'static str, Option<Tool>, fn(&mut Call<'_>) -> Result<()>);
+
+const CHECKS: [Check; 10] = [
+    ("packages", "packages", None, |_| Ok(())),
+    ("c", "archive", None, archive),
+    ("wheel", "wheel", Some(MATURIN), wheel),
+    ("sbom", "sbom", Some(CYCLONEDX), |_| Ok(())),
+    ("interface", "interface", Some(SEMVER_CHECKS), |call| {
+        call.script.envs(call.baseline.map(|revision| ("BASELINE", revision)));
+        Ok(())
+    }),
+    ("features", "features", Some(HACK), |_| Ok(())),
+    ("features", "features", Some(HACK), |call| chip(call, DRIVE)),
+    ("features", "features", Some(HACK), |call| chip(call, NO_FPU)),
+    ("oldest", "oldest", None, |_| Ok(())),
+    ("oldest", "oldest-compiler", None, |_| Ok(())),
+];
+
+/// What is released or checked; CONTRIBUTING.md describes the parts.
+const PARTS: [&str; 8] = ["packages", "c", "wheel", "sbom", "interface", "features", "oldest", "dependencies"];
 
 /// Options of the command.
 #[derive(clap::Args, Debug)]
 pub struct Options {
     /// Parts, instead of all.
-    #[arg(value_enum)]
-    parts: Vec<Part>,
+    #[arg(value_parser = PossibleValuesParser::new(PARTS))]
+    parts: Vec<String>,
     /// The revision with which the public interface is compared, instead of the last release.
     #[arg(long)]
     baseline: Option<String>,
@@ -63,9 +71,17 @@ fn dist() -> PathBuf {
 pub fn run(options: &Options, way: Way) -> Result<bool> {
     fs::create_dir_all(dist())?;
     let mut stages = Stages::default();
-    for part in if options.parts.is_empty() { Part::value_variants() } else { &options.parts } {
-        let name = part.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
-        stages.stage(&name, |tally| check(*part, tally, way, options.baseline.as_deref()));
+    for part in PARTS.iter().filter(|part| options.parts.is_empty() || options.parts.iter().any(|own| own == *part)) {
+        stages.stage(part, |tally| {
+            for check in CHECKS.iter().filter(|check| check.0 == *part) {
+                by_script(tally, check, way, options.baseline.as_deref());
+            }
+            match *part {
+                "c" if tally.failed == 0 => projects::checks(tally),
+                "dependencies" => test::dependencies(tally),
+                _ => {}
+            }
+        });
     }
     // Sums that `sha256sum --check` reads.
     let sums = "rm -f SHA256SUMS; sha256sum * | tee SHA256SUMS | while read -r sum file; do
@@ -78,42 +94,11 @@ pub fn run(options: &Options, way: Way) -> Result<bool> {
     Ok(stages.end())
 }
 
-fn check(part: Part, tally: &mut Tally, way: Way, baseline: Option<&str>) {
-    match part {
-        Part::Packages => by_script(tally, "packages", None, |_| Ok(())),
-        Part::C => {
-            let failed = tally.failed;
-            by_script(tally, "archive", None, |script| archive(script, way));
-            if tally.failed == failed {
-                projects::checks(tally);
-            }
-        }
-        Part::Wheel => by_script(tally, "wheel", Some(MATURIN), wheel),
-        Part::Sbom => by_script(tally, "sbom", Some(CYCLONEDX), |_| Ok(())),
-        Part::Interface => by_script(tally, "interface", Some(SEMVER_CHECKS), |script| {
-            script.envs(baseline.map(|revision| ("BASELINE", revision)));
-            Ok(())
-        }),
-        Part::Features => {
-            by_script(tally, "features", Some(HACK), |_| Ok(()));
-            for board in [DRIVE, NO_FPU] {
-                by_script(tally, "features", Some(HACK), |script| chip(script, way, board));
-            }
-        }
-        Part::Oldest => {
-            by_script(tally, "oldest", None, |_| Ok(()));
-            by_script(tally, "oldest-compiler", None, |_| Ok(()));
-        }
-        Part::Dependencies => test::dependencies(tally),
-    }
-}
-
-/// The check of a script of `xtask/release`, which knows the published packages with their folders, and a program of
-/// another project. With status 77 it
-/// says what is missing, with 78 why it has no place.
-fn by_script(tally: &mut Tally, name: &str, program: Option<Tool>, prepare: impl FnOnce(&mut Command) -> Result<()>) {
+/// Runs a script of `xtask/release`, which knows the published packages with their folders. With status 77 it says what
+/// is missing, with 78 why it has no place.
+fn by_script(tally: &mut Tally, (_, name, program, prepare): &Check, way: Way, baseline: Option<&str>) {
     let mut last = String::new();
-    let run = || {
+    let mut run = || {
         let mut published = Vec::new();
         for package in metadata()?.iter().filter(|package| package["publish"].is_null()) {
             let folder = Path::new(package["manifest_path"].as_str().unwrap_or_default()).parent();
@@ -125,9 +110,11 @@ fn by_script(tally: &mut Tally, name: &str, program: Option<Tool>, prepare: impl
         script.env("VERSION", env!("CARGO_PKG_VERSION")).env("RUST_VERSION", env!("CARGO_PKG_RUST_VERSION"));
         script.env("DIST", dist()).env("TARGET", target_dir());
         if let Some(program) = program {
-            script.env("TOOL", tool(program, &[])?.get_program());
+            script.env("TOOL", tool(*program, &[])?.get_program());
         }
-        prepare(&mut script)?;
+        let mut call = Call { way, baseline, script };
+        prepare(&mut call)?;
+        let mut script = call.script;
         let status = child::lines(&mut script, |line| {
             println!("{line}");
             line.clone_into(&mut last);
@@ -147,7 +134,7 @@ fn by_script(tally: &mut Tally, name: &str, program: Option<Tool>, prepare: impl
 }
 
 /// What the archive of the C library is made of.
-fn archive(script: &mut Command, way: Way) -> Result<()> {
+fn archive(Call { way, script, .. }: &mut Call<'_>) -> Result<()> {
     setup::ensure(&["c-compiler", "make", "cmake", "riscv"])?;
     let folder = target_dir().join("archive");
     if folder.exists() {
@@ -168,8 +155,7 @@ fn archive(script: &mut Command, way: Way) -> Result<()> {
         if let Some(hindrance) = way.hindrance(board.target) {
             bail!("{hindrance}");
         }
-        let library = c_library((way, board), "", "", &[])?;
-        elf::ensure_exports(&library)?;
+        let library = c_library((*way, board), "", "", &[])?;
         script.env(name, board.target).env(format!("{name}_LIBRARY"), library);
     }
     script.env("FOLDER", folder);
@@ -177,7 +163,7 @@ fn archive(script: &mut Command, way: Way) -> Result<()> {
 }
 
 /// What the wheel is made and tried with.
-fn wheel(script: &mut Command) -> Result<()> {
+fn wheel(Call { script, .. }: &mut Call<'_>) -> Result<()> {
     // Outside the checkout, whose configuration cargo would read.
     let folder = env::temp_dir().join(format!("bearing-watch-wheel-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
@@ -187,12 +173,12 @@ fn wheel(script: &mut Command) -> Result<()> {
 }
 
 /// Lets cargo-hack check for a chip.
-fn chip(script: &mut Command, way: Way, board: Board) -> Result<()> {
+fn chip(Call { way, script, .. }: &mut Call<'_>, board: Board) -> Result<()> {
     if let Some(hindrance) = way.hindrance(board.target) {
         bail!("{}: {hindrance}", board.target);
     }
-    build::prepare(script, way);
+    build::prepare(script, *way);
     script.args(["--target", board.target]);
-    script.args(if way == Way::Debian { ["-Z", "build-std=core,alloc"].as_slice() } else { &[] });
+    script.args(if *way == Way::Debian { ["-Z", "build-std=core,alloc"].as_slice() } else { &[] });
     Ok(())
 }

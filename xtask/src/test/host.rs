@@ -2,7 +2,7 @@
 
 use std::env;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
@@ -60,9 +60,8 @@ pub fn tests(tally: &mut Tally, kinds: &[&str]) {
 
 /// The Python package as a wheel, its types, and its tests.
 pub fn python(tally: &mut Tally) {
-    let folder = workspace::target_dir().join("python/venv");
     let (before, mut report) = (tally.failed, Pytest::default());
-    let outcome = environment(&folder).and_then(|python| {
+    let outcome = environment().and_then(|python| {
         let mut script = Command::new("sh");
         script.arg("xtask/python.sh").current_dir(workspace::root()).env("PYTHON", python);
         script.env("TARGET", workspace::target_dir()).env("PROGRAM", cargo::workbench()?.get_program());
@@ -80,19 +79,12 @@ pub fn python(tally: &mut Tally) {
     }
 }
 
-/// Python of a virtual environment with what the tests need; it is made where it is missing.
-fn environment(folder: &Path) -> Result<PathBuf> {
-    let (program, complete) = (folder.join("bin/python"), folder.join("complete"));
-    let wanted = fs::read_to_string(workspace::root().join("python/pyproject.toml"))?;
-    if !fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
-        python::venv(folder, true)?;
-        let manifest: toml::Table = wanted.parse()?;
-        let project = manifest.get("project").context("pyproject.toml has no project")?;
-        let lists = [project.get("dependencies"), project.get("optional-dependencies").and_then(|all| all.get("test"))];
-        let packages = lists.into_iter().flatten().filter_map(toml::Value::as_array).flatten();
-        let install = &mut python::pip(&program, &["maturin>=1.9.4,<2"]);
-        child::succeed(install.args(packages.filter_map(toml::Value::as_str)))?;
-        fs::write(&complete, wanted)?;
-    }
-    Ok(program)
+/// Python of a virtual environment with what the package and its tests need.
+fn environment() -> Result<PathBuf> {
+    let manifest: toml::Table = fs::read_to_string(workspace::root().join("python/pyproject.toml"))?.parse()?;
+    let project = manifest.get("project").context("pyproject.toml has no project")?;
+    let lists = [project.get("dependencies"), project.get("optional-dependencies").and_then(|all| all.get("test"))];
+    let packages = lists.into_iter().flatten().filter_map(toml::Value::as_array).flatten();
+    let packages = packages.filter_map(toml::Value::as_str).chain(["maturin>=1.9.4,<2"]);
+    python::with_packages("of-package", &packages.collect::<Vec<_>>())
 }

@@ -101,12 +101,12 @@ fn verdicts(way: Way, folder: &Path) -> Result<String> {
     ensure!(initialised == 0, "a static that starts with other bytes than zero takes flash, too");
     let configuration = fs::read_to_string(folder.join(".cargo/config.toml"))?;
     let runner = configuration.lines().find_map(|line| line.strip_prefix("runner = \"")).context("no runner")?;
-    let mut words = runner.trim_end_matches('"').split_whitespace();
-    let mut command = Command::new(words.next().context("an empty runner")?);
-    command.args(words).current_dir(folder);
-    let mut again = Command::new(command.get_program());
-    again.args(command.get_args()).current_dir(folder);
-    outcome(CHAPTER, &folder.join(TRACE), &qemu::run_by(&mut command, &elf)?, &qemu::run_by(&mut again, &elf)?)
+    let run = || {
+        let mut words = runner.trim_end_matches('"').split_whitespace();
+        let mut command = Command::new(words.next().context("an empty runner")?);
+        qemu::run_by(command.args(words).current_dir(folder), &elf)
+    };
+    outcome(CHAPTER, &folder.join(TRACE), &run()?, &run()?)
 }
 
 /// The project of the document, with a checkout after the library was built in it.
