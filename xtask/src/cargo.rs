@@ -37,13 +37,10 @@ pub fn files() -> Result<Vec<String>> {
     Ok(list.lines().filter(|name| root().join(name).exists()).map(ToOwned::to_owned).collect())
 }
 
-/// The compiler's name of this machine, and the folder of its libraries.
-pub fn rustc() -> Result<(String, String)> {
-    let rustc = || Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
-    let about = child::output(rustc().arg("-vV")).context("rustc -vV failed")?;
-    let host = about.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc names no host")?;
-    let sysroot = child::output(rustc().args(["--print", "sysroot"])).context("rustc names no sysroot")?;
-    Ok((host.to_owned(), sysroot))
+/// The folder of the compiler's libraries.
+pub fn sysroot() -> Option<String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    child::output(Command::new(rustc).args(["--print", "sysroot"]))
 }
 
 /// What `cargo test` builds and runs: unit tests and those in `tests`, with the programs that they call.

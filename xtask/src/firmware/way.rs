@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use super::board::DRIVE;
-use crate::cargo::rustc;
+use crate::cargo::sysroot;
 use crate::child;
 use crate::setup;
 
@@ -65,9 +65,8 @@ impl Way {
     /// Why this way can't build for a target at present; nothing where it can. The target's library is looked for in
     /// the file system, because rustup's own commands may start to download.
     pub fn hindrance(self, target: &str) -> Option<String> {
-        let installed = || {
-            rustc().is_ok_and(|(_, sysroot)| Path::new(&sysroot).join("lib/rustlib").join(target).join("lib").is_dir())
-        };
+        let library = |sysroot: String| Path::new(&sysroot).join("lib/rustlib").join(target).join("lib");
+        let installed = || sysroot().is_some_and(|sysroot| library(sysroot).is_dir());
         (self == Self::Rustup && !installed()).then(|| format!("run rustup target add {target}"))
     }
 }

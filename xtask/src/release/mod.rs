@@ -15,7 +15,7 @@ use crate::cargo::{self, metadata};
 use crate::firmware::board::{Board, DRIVE, NO_FPU, RISCV};
 use crate::firmware::build::{self, c_library};
 use crate::firmware::way::Way;
-use crate::python::{CYCLONEDX, HACK, MATURIN, SEMVER_CHECKS, Tool, tool, venv};
+use crate::python::{tool, venv};
 use crate::report::{Stages, Tally};
 use crate::test::newcomer;
 use crate::workspace::{root, target_dir};
@@ -30,20 +30,20 @@ struct Call<'a> {
 
 /// A check: the part that it belongs to, its script, a program of another project that the script calls, and what else
 /// the script gets.
-type Check = (&'static str, &'static str, Option<Tool>, fn(&mut Call<'_>) -> Result<()>);
+type Check = (&'static str, &'static str, Option<&'static str>, fn(&mut Call<'_>) -> Result<()>);
 
 const CHECKS: [Check; 10] = [
     ("packages", "packages", None, |_| Ok(())),
     ("c", "archive", None, archive),
-    ("wheel", "wheel", Some(MATURIN), wheel),
-    ("sbom", "sbom", Some(CYCLONEDX), |_| Ok(())),
-    ("interface", "interface", Some(SEMVER_CHECKS), |call| {
+    ("wheel", "wheel", Some("maturin"), wheel),
+    ("sbom", "sbom", Some("cargo-cyclonedx"), |_| Ok(())),
+    ("interface", "interface", Some("cargo-semver-checks"), |call| {
         call.script.envs(call.baseline.map(|revision| ("BASELINE", revision)));
         Ok(())
     }),
-    ("features", "features", Some(HACK), |_| Ok(())),
-    ("features", "features", Some(HACK), |call| chip(call, DRIVE)),
-    ("features", "features", Some(HACK), |call| chip(call, NO_FPU)),
+    ("features", "features", Some("cargo-hack"), |_| Ok(())),
+    ("features", "features", Some("cargo-hack"), |call| chip(call, DRIVE)),
+    ("features", "features", Some("cargo-hack"), |call| chip(call, NO_FPU)),
     ("oldest", "oldest", None, |_| Ok(())),
     ("oldest", "oldest-compiler", None, |_| Ok(())),
 ];
@@ -110,7 +110,7 @@ fn by_script(tally: &mut Tally, (_, name, program, prepare): &Check, way: Way, b
         script.env("VERSION", env!("CARGO_PKG_VERSION")).env("RUST_VERSION", env!("CARGO_PKG_RUST_VERSION"));
         script.env("DIST", dist()).env("TARGET", target_dir());
         if let Some(program) = program {
-            script.env("TOOL", tool(*program, &[])?.get_program());
+            script.env("TOOL", tool(program, &[])?.get_program());
         }
         let mut call = Call { way, baseline, script };
         prepare(&mut call)?;

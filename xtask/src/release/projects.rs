@@ -74,8 +74,7 @@ pub fn checks(tally: &mut Tally) {
     let trace = recorded.path().join(newcomer::TRACE);
     for (name, packages, build, folder, program, run) in PROJECTS {
         let title = format!("the archive in an empty project, {name}");
-        let python = with_packages(&format!("for {name}").replace(' ', "-"), packages);
-        match python {
+        match with_packages(&format!("for {name}").replace(' ', "-"), packages) {
             Ok(python) => tally.check(&title, walk((build, &python), folder, program, run, &trace)),
             Err(reason) => tally.missing(&title, &format!("{reason:#}")),
         }

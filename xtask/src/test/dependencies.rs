@@ -4,7 +4,7 @@
 use anyhow::{Result, bail};
 
 use crate::child;
-use crate::python::{DENY, tool};
+use crate::python::tool;
 use crate::report::Tally;
 
 /// Both workspaces whose programs a user may run, all crates and features.
@@ -22,7 +22,7 @@ pub fn checks(tally: &mut Tally) {
 
 /// Why there is no outcome, if there is none.
 fn run(manifest: &str, checks: &[&str]) -> Result<Option<&'static str>> {
-    let mut deny = tool(DENY, &["--workspace", "--locked", "--all-features", "--config", "deny.toml"])?;
+    let mut deny = tool("cargo-deny", &["--workspace", "--locked", "--all-features", "--config", "deny.toml"])?;
     deny.args(["--manifest-path", manifest, "check", "--hide-inclusion-graph"]);
     // Each workspace uses only some of the exceptions, and doubled versions are no fault.
     deny.args(["--allow", "license-exception-not-encountered", "--allow", "duplicate"]).args(checks);
