@@ -63,22 +63,16 @@ pub fn workbench() -> Result<Command> {
     Ok(built("bearing-watch"))
 }
 
-/// Returns a call of another program of this workspace at its root, built as [`example`] builds.
-pub fn program(name: &str) -> Result<Command> {
-    child::succeed(&mut cargo(&["build", "--quiet", "--workspace", "--bin", name]))?;
-    Ok(built(name))
-}
-
-/// Returns a call of an example on the host at the workspace's root. It is built from what the host tests are built
-/// from: by package its dependencies would have other features.
-pub fn example(name: &str) -> Result<Command> {
-    child::succeed(&mut cargo(&["build", "--quiet", "--workspace", "--example", name]))?;
-    Ok(built(&format!("examples/{name}")))
+/// Returns a call of another program (`--bin`) or of an example (`--example`) at the workspace's root. It is built from
+/// what the host tests are built from: by package its dependencies would have other features.
+pub fn program(kind: &str, name: &str) -> Result<Command> {
+    child::succeed(&mut cargo(&["build", "--quiet", "--workspace", kind, name]))?;
+    Ok(built(&if kind == "--example" { format!("examples/{name}") } else { name.to_owned() }))
 }
 
 /// The lines that an example prints on the host.
 pub fn lines_of_example(name: &str) -> Result<Vec<String>> {
-    child::printed(&mut example(name)?).context("on the host")
+    child::printed(&mut program("--example", name)?).context("on the host")
 }
 
 fn built(program: &str) -> Command {

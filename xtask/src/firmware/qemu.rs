@@ -75,7 +75,7 @@ fn decoder(elf: &Path) -> Result<Option<Command>> {
     if !elf::has_section(elf, ".defmt").unwrap_or(false) {
         return Ok(None);
     }
-    let mut decoder = cargo::program("log-decoder")?;
+    let mut decoder = cargo::program("--bin", "log-decoder")?;
     decoder.arg(std::path::absolute(elf)?);
     Ok(Some(decoder))
 }

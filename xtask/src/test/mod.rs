@@ -110,10 +110,6 @@ pub fn run(options: &Options, asked: Option<Way>) -> Result<bool> {
 
 /// Makes ready what the stages need; the way to build firmware.
 fn set_up(tally: &mut Tally, host: &[Stage], target: &[Stage], asked: Option<Way>) -> Result<Way> {
-    for (stage, command, component) in [("format", "fmt", "rustfmt"), ("lints", "clippy", "clippy")] {
-        let works = host.iter().all(|own| own.0 != stage) || child::works(&mut cargo::cargo(&[command, "--version"]));
-        ensure!(works, "{component} is not installed; run\n    rustup component add {component}");
-    }
     let mut needs: Vec<&str> = host.iter().chain(target).flat_map(|stage| stage.1.iter().copied()).collect();
     let mut way = Way::Rustup;
     if !target.is_empty() {
@@ -122,7 +118,6 @@ fn set_up(tally: &mut Tally, host: &[Stage], target: &[Stage], asked: Option<Way
         tally.check("firmware", Ok(format!("the {way} way")));
     }
     setup::ensure(&needs)?;
-    tally.check("programs", Ok(""));
     Ok(way)
 }
 

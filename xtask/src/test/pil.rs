@@ -68,7 +68,7 @@ fn replayed(trace: &Path, model: &Path, source: Option<&Path>) -> Result<(PathBu
             cargo.arg(root().join("Cargo.toml")).env(build::MODEL, source);
             cargo
         }
-        None => cargo::example(EXAMPLE)?,
+        None => cargo::program("--example", EXAMPLE)?,
     };
     let lines = child::printed(run.current_dir(&folder)).context("on the host")?;
     Ok((folder, lines))

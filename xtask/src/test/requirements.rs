@@ -53,8 +53,7 @@ fn unsafe_code() -> Result<String> {
     let mut counted: BTreeMap<&str, usize> = listed.keys().map(|path| (path.as_str(), 0)).collect();
     for file in files()?.iter().filter(|file| file.ends_with(".rs")) {
         let text = fs::read_to_string(root().join(file))?;
-        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-        let code = code.map(|line| line.split(" // ").next().unwrap_or_default()).collect::<Vec<_>>().join("\n");
+        let code = text.lines().filter_map(|line| line.split("// ").next()).collect::<Vec<_>>().join("\n");
         let starts = code.split("unsafe ").zip(code.split("unsafe ").skip(1)).filter(|(before, next)| {
             let is_word = !before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '"' | '`'));
             is_word && ["{", "fn ", "impl ", "extern "].iter().any(|start| next.starts_with(start))
