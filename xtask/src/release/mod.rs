@@ -77,7 +77,7 @@ pub fn run(options: &Options, way: Way) -> Result<bool> {
                 by_script(tally, check, way, options.baseline.as_deref());
             }
             match *part {
-                "c" if tally.failed == 0 => projects::checks(tally),
+                "c" if tally.failed == 0 => projects::checks(tally, &dist()),
                 "dependencies" => test::dependencies(tally),
                 _ => {}
             }

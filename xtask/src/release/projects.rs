@@ -7,7 +7,6 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use super::dist;
 use crate::cargo::lines_of_example;
 use crate::child;
 use crate::firmware::board::{DRIVE, RISCV};
@@ -63,8 +62,8 @@ const PROJECTS: [Project; 6] = [
     ("ESP-IDF", &["idf-component-manager==3.1.2"], "sh $TESTS/riscv/build.sh", "", "build/isr", Run::Riscv),
 ];
 
-/// All projects.
-pub fn checks(tally: &mut Tally) {
+/// All projects, with the archive in a folder.
+pub fn checks(tally: &mut Tally, dist: &Path) {
     let recorded = Folder::new("recorded");
     let recorded = recorded.and_then(|own| newcomer::write_project(own.path(), &root()).map(|()| own));
     let recorded = match recorded {
@@ -75,22 +74,28 @@ pub fn checks(tally: &mut Tally) {
     for (name, packages, build, folder, program, run) in PROJECTS {
         let title = format!("the archive in an empty project, {name}");
         match with_packages(&format!("for {name}").replace(' ', "-"), packages) {
-            Ok(python) => tally.check(&title, walk((build, &python), folder, program, run, &trace)),
+            Ok(python) => tally.check(&title, walk((build, &python), folder, program, run, (dist, &trace))),
             Err(reason) => tally.missing(&title, &format!("{reason:#}")),
         }
     }
     for (name, build, program) in BUILDERS {
         let (title, here) = (format!("the archive in empty firmware, {name}"), Path::new(""));
         let build = format!("cp -r bearing-watch/firmware . && cd firmware && {build}");
-        tally.check(&title, walk((&build, here), "firmware", program, Run::Twice, &trace));
+        tally.check(&title, walk((&build, here), "firmware", program, Run::Twice, (dist, &trace)));
     }
 }
 
 /// Follows the commands of the document in an empty folder, builds the project, and runs its program.
-fn walk((build, python): (&str, &Path), place: &str, program: &str, run: Run, trace: &Path) -> Result<String> {
+fn walk(
+    (build, python): (&str, &Path),
+    place: &str,
+    program: &str,
+    run: Run,
+    (dist, trace): (&Path, &Path),
+) -> Result<String> {
     let (folder, blocks) = (Folder::new("project")?, Blocks::of_document(DOCUMENT)?);
     let packed = format!("bearing-watch-c-{}.tar.gz", env!("CARGO_PKG_VERSION"));
-    fs::copy(dist().join(&packed), folder.path().join(packed))?;
+    fs::copy(dist.join(&packed), folder.path().join(packed))?;
     child::succeed(&mut blocks.commands(folder.path(), &root())?)?;
     blocks.write(None, folder.path(), &root())?;
     let mut shell = Command::new("bash");
