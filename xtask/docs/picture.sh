@@ -8,8 +8,9 @@ grep -q "<figcaption>$title" "$page" || { echo "$page has no figure “$title”
 # A profile of its own: a browser does not start while another one with its profile ends. Its own sandbox does not work
 # for root; the page is ours.
 "$BROWSER" --headless --no-sandbox --disable-gpu --virtual-time-budget=20000 --dump-dom "--user-data-dir=$profile" \
-    "file://$(realpath "$copy")" | tr '\n' '\001' | sed -n -e 's/.*<pre id="picture">\(.*\)<\/pre>.*/\1/' -e T \
+    "file://$(realpath "$copy")" 2> /dev/null | tr '\n' '\001' | sed -n -e 's/.*<pre id="picture">\(.*\)<\/pre>.*/\1/' -e T \
     -e 's/&lt;/</g; s/&gt;/>/g; s/&nbsp;/\xc2\xa0/g; s/&amp;/\&/g; p' | tr '\001' '\n' > "$copy.svg"
+echo >> "$copy.svg"
 # What a process of the browser still holds is removed next time.
 rm -rf "$profile" || true
 grep -q '<svg' "$copy.svg" || { echo "Chromium drew no picture of $page" >&2; exit 1; }
