@@ -68,28 +68,12 @@ pub fn with_packages(folder: &str, packages: &[&str]) -> Result<PathBuf> {
 /// Python of a virtual environment, which is made if it is missing or must be empty.
 pub fn venv(folder: &Path, empty: bool) -> Result<PathBuf> {
     let program = folder.join("bin/python");
-    if !empty && child::works(Command::new(&program).args(["-m", "pip", "--version"])) {
-        return Ok(program);
+    if empty || !child::works(Command::new(&program).args(["-m", "pip", "--version"])) {
+        setup::ensure(&["python", "pip"])?;
+        let mut script = Command::new("sh");
+        script.arg(workspace::root().join("xtask/venv.sh")).arg(folder).env("DEBIAN", workspace::debian());
+        child::succeed(&mut script)?;
     }
-    setup::ensure(&["python", "pip"])?;
-    let mut venv = Command::new("python3");
-    venv.args(["-m", "venv", "--clear"]).arg(folder);
-    let Some(wheel) = setup::pip() else {
-        child::succeed(&mut venv)?;
-        return Ok(program);
-    };
-    // Python's own installer is missing, and the unpacked one is not at the place where Python looks for it.
-    child::succeed(venv.arg("--without-pip"))?;
-    if let Ok(script) = fs::read_to_string(workspace::debian().join("bin/python3")) {
-        // An unpacked Python finds its libraries by a script: of the names in the environment the one that is used.
-        let settings: String =
-            script.lines().filter(|line| !line.starts_with("exec ")).map(|l| l.to_owned() + "\n").collect();
-        fs::remove_file(&program)?;
-        fs::write(&program, format!("{settings}exec '{}' \"$@\"\n", folder.join("bin/python3").display()))?;
-        #[cfg(unix)]
-        fs::set_permissions(&program, std::os::unix::fs::PermissionsExt::from_mode(0o755))?;
-    }
-    child::succeed(pip(&program, &["--no-index"]).env("PYTHONPATH", &wheel).arg(&wheel))?;
     Ok(program)
 }
 

@@ -190,7 +190,7 @@ fn script(name: &str, arguments: &[&str]) -> Result<Command> {
     if name.starts_with("peers") {
         script.env("PYTHON", with_packages("peers", &["--requirement", "xtask/peers/requirements.txt"])?);
     } else {
-        script.env("BROWSER", setup::browser()?);
+        setup::ensure(&["chromium"])?;
     }
     Ok(script)
 }

@@ -32,7 +32,7 @@ impl fmt::Display for Way {
 
 impl Way {
     /// The way that was asked for, else the one the environment names, else one that is installed, else one that can be.
-    pub fn choose(asked: Option<Self>) -> Result<Self> {
+    fn choose(asked: Option<Self>) -> Result<Self> {
         let named = env::var(VARIABLE).ok().filter(|name| !name.is_empty());
         match (asked, named) {
             (Some(way), _) => Ok(way),
@@ -45,21 +45,15 @@ impl Way {
         }
     }
 
-    /// The same way, when what it needs is there.
+    /// The same way, when what building and running firmware needs is there.
     pub fn ready(asked: Option<Self>) -> Result<Self> {
         let way = Self::choose(asked)?;
-        setup::ensure(&way.needs()?)?;
-        Ok(way)
-    }
-
-    /// What building and running firmware this way need.
-    pub fn needs(self) -> Result<Vec<&'static str>> {
-        match (self, self.hindrance(DRIVE.target)) {
+        if let Some(hindrance) = way.hindrance(DRIVE.target) {
             // Left to the user: it changes their toolchain.
-            (_, Some(hindrance)) => bail!("the target {} is not installed; {hindrance}", DRIVE.target),
-            (Self::Rustup, None) => Ok(vec!["qemu"]),
-            (Self::Debian, None) => Ok(vec!["compiler", "qemu"]),
+            bail!("the target {} is not installed; {hindrance}", DRIVE.target);
         }
+        setup::ensure(if way == Self::Rustup { &["qemu"] } else { &["compiler", "qemu"] })?;
+        Ok(way)
     }
 
     /// Why this way can't build for a target at present; nothing where it can. The target's library is looked for in

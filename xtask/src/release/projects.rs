@@ -13,11 +13,10 @@ use crate::firmware::board::{DRIVE, RISCV};
 use crate::firmware::qemu;
 use crate::python::with_packages;
 use crate::report::Tally;
-use crate::setup;
 use crate::test::newcomer::blocks::Blocks;
 use crate::test::newcomer::{self, BUILDERS, Folder, same_classes};
 use crate::test::{compared, verdicts};
-use crate::workspace::root;
+use crate::workspace::{debian, root};
 
 /// The document of the archive.
 pub const DOCUMENT: &str = "c-api/ARCHIVE.md";
@@ -100,7 +99,7 @@ fn walk(
     blocks.write(None, folder.path(), &root())?;
     let mut shell = Command::new("bash");
     shell.args(["-e", "-c", build]).current_dir(folder.path()).env("PYTHON", python).env("CHECKOUT", root());
-    shell.env("TESTS", root().join("c-api/tests")).env("PICOLIBC", setup::picolibc());
+    shell.env("TESTS", root().join("c-api/tests")).env("DEBIAN", debian());
     child::succeed(&mut shell)?;
     let (place, monitor) = (folder.path().join(place), || lines_of_example("monitor"));
     match run {

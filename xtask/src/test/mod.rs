@@ -110,11 +110,10 @@ pub fn run(options: &Options, asked: Option<Way>) -> Result<bool> {
 
 /// Makes ready what the stages need; the way to build firmware.
 fn set_up(tally: &mut Tally, host: &[Stage], target: &[Stage], asked: Option<Way>) -> Result<Way> {
-    let mut needs: Vec<&str> = host.iter().chain(target).flat_map(|stage| stage.1.iter().copied()).collect();
+    let needs: Vec<&str> = host.iter().chain(target).flat_map(|stage| stage.1.iter().copied()).collect();
     let mut way = Way::Rustup;
     if !target.is_empty() {
-        way = Way::choose(asked)?;
-        needs.extend(way.needs()?);
+        way = Way::ready(asked)?;
         tally.check("firmware", Ok(format!("the {way} way")));
     }
     setup::ensure(&needs)?;
