@@ -37,10 +37,7 @@ const CHECKS: [Check; 10] = [
     ("c", "archive", None, archive),
     ("wheel", "wheel", Some("maturin"), wheel),
     ("sbom", "sbom", Some("cargo-cyclonedx"), |_| Ok(())),
-    ("interface", "interface", Some("cargo-semver-checks"), |call| {
-        call.script.envs(call.baseline.map(|revision| ("BASELINE", revision)));
-        Ok(())
-    }),
+    ("interface", "interface", None, interface),
     ("features", "features", Some("cargo-hack"), |_| Ok(())),
     ("features", "features", Some("cargo-hack"), |call| chip(call, DRIVE)),
     ("features", "features", Some("cargo-hack"), |call| chip(call, NO_FPU)),
@@ -84,9 +81,9 @@ pub fn run(options: &Options, way: Way) -> Result<bool> {
         });
     }
     // Sums that `sha256sum --check` reads.
-    let sums = "rm -f SHA256SUMS; sha256sum * | tee SHA256SUMS | while read -r sum file; do
+    let sums = "rm -f SHA256SUMS; ls | grep -q . && sha256sum * | tee SHA256SUMS | while read -r sum file; do
         printf '%-64s %10s  %s\n' \"$file\" \"$(wc -c < \"$file\")\" \"$sum\"; done";
-    println!("\n{}", child::printed(Command::new("sh").args(["-c", sums]).current_dir(dist()))?.join("\n"));
+    println!("\n{}", child::output(Command::new("sh").args(["-c", sums]).current_dir(dist())).unwrap_or_default());
     let changes = child::output(Command::new("git").args(["status", "--porcelain"]).current_dir(root()));
     if !changes.is_some_and(|changes| changes.is_empty()) {
         println!("not a release: the tree has changes that are not committed");
@@ -159,6 +156,16 @@ fn archive(Call { way, script, .. }: &mut Call<'_>) -> Result<()> {
         script.env(name, board.target).env(format!("{name}_LIBRARY"), library);
     }
     script.env("FOLDER", folder);
+    Ok(())
+}
+
+/// The revision with which the public interface is compared, if there is one: that of the newest tag of a release.
+fn interface(Call { baseline, script, .. }: &mut Call<'_>) -> Result<()> {
+    let mut describe = Command::new("git");
+    describe.args(["describe", "--tags", "--abbrev=0", "--match", "v[0-9]*"]).current_dir(root());
+    if let Some(revision) = baseline.map(ToOwned::to_owned).or_else(|| child::output(&mut describe)) {
+        script.env("BASELINE", revision).env("TOOL", tool("cargo-semver-checks", &[])?.get_program());
+    }
     Ok(())
 }
 
