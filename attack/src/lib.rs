@@ -6,7 +6,7 @@
 //! readers   files of the workbench: tables, labels, TOML, models; requests to its pages, its line
 //! ```
 //!
-//! Tests replay the kept corpora and some thousand changes of them. `cargo xtask fuzz --minutes 10` attacks with
+//! Tests replay the kept corpora and some thousand changes of them. `cargo attack fuzz --minutes 10` attacks with
 //! libFuzzer, guided by coverage, on stable Rust: the compiler's pass that counts branches is an option of LLVM.
 //! `docs/trust.md` has the properties.
 

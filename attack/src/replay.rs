@@ -1,4 +1,4 @@
-//! The programs: libFuzzer where `cargo xtask fuzz` builds them; without coverage they replay inputs, as those that a
+//! The programs: libFuzzer where `cargo attack fuzz` builds them; without coverage they replay inputs, as those that a
 //! run has found to fail.
 
 use std::process::ExitCode;

