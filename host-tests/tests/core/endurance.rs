@@ -61,8 +61,8 @@ impl Normal {
 /// single precision and powers of two are those of the core.
 fn scaled_row(structure: Structure, scale: &[f32], newest_first: &VecDeque<Inputs>) -> Vec<f32> {
     let Structure { na, nb, nc, nkb, nkc, .. } = structure;
-    let signals: [(fn(&Inputs) -> f32, u8, u8); 3] = [(|s| s.y, 1, na), (|s| s.u1, nkb, nb), (|s| s.u2, nkc, nc)];
-    let columns = signals.into_iter().flat_map(|(of, delay, terms)| {
+    let signals: [fn(&Inputs) -> f32; 3] = [|s| s.y, |s| s.u1, |s| s.u2];
+    let columns = signals.into_iter().zip([(1, na), (nkb, nb), (nkc, nc)]).flat_map(|(of, (delay, terms))| {
         let at = move |k: u8| of(&newest_first[usize::from(delay + k)]);
         (0..terms).map(move |k| if k == 0 { at(0) } else { at(k - 1) - at(k) })
     });

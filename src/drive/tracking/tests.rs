@@ -13,6 +13,12 @@ impl PositionTracker {
     fn velocity_rad_s(&self) -> f32 {
         self.velocity as f32 * (RAD * self.rate_hz)
     }
+
+    /// Ka (5), 1/s²: at an acceleration α the angle of the loop is α/Ka behind.
+    fn acceleration_constant(&self) -> f32 {
+        let [_, k2] = self.gains;
+        k2 * RAD * self.rate_hz * self.rate_hz
+    }
 }
 
 const RATE_HZ: f64 = 10_000.0;
@@ -109,9 +115,7 @@ fn under_acceleration_the_angle_lags_by_the_acceleration_constant() {
         for acceleration in [1000.0, -1000.0] {
             let start = if acceleration > 0.0 { -250.0 } else { 250.0 };
             let (largest, mean, tracker) = departures(sensor, 5000, |t| start * t + 0.5 * acceleration * t * t);
-            // Ka of (5), 1/s²: the angle of the loop is α/Ka behind.
-            let constant = tracker.gains[1] * RAD * tracker.rate_hz * tracker.rate_hz;
-            let lag = -(acceleration / f64::from(constant)).to_degrees();
+            let lag = -(acceleration / f64::from(tracker.acceleration_constant())).to_degrees();
             std::println!("{acceleration} rad/s²: largest {largest:.4}°, mean {mean:.4}°, α/Ka {lag:.4}°");
             assert!(largest <= 0.5, "{largest}°");
             // The converter floors: half a count is 0.011°.
