@@ -44,24 +44,35 @@ impl<'a> Elements<'a> {
         Some(until_zero(self.next()?.content))
     }
 
+    /// The class of an array, its flags, and two other bytes.
+    fn flags(&mut self) -> Option<[u8; 4]> {
+        let mut flags: [u8; 4] = *self.next()?.content.first_chunk()?;
+        if !self.is_little {
+            flags.reverse();
+        }
+        Some(flags)
+    }
+
     fn numbers(&mut self) -> Option<Vec<f64>> {
         let is_little = self.is_little;
         self.next().and_then(|own| numbers(own.kind, own.content, is_little))
     }
 
     fn array(&mut self) -> Option<Value> {
-        Some(named(self.next()?.content, self.is_little).1)
+        Some(named(self.next()?.content, self.is_little).map_or(Value::Other(DAMAGED), |(_, value)| value))
     }
 }
 
-/// An array with its name, by the content of its element.
-pub(super) fn named(content: &[u8], is_little: bool) -> (String, Value) {
+/// An array with its name, by the content of its element; `None` of numbers, text, cells or
+/// structures that do not begin with flags, sides and a name.
+pub(super) fn named(content: &[u8], is_little: bool) -> Option<(String, Value)> {
     if content.is_empty() {
-        return (String::new(), Value::Other(EMPTY));
+        return Some((String::new(), Value::Other(EMPTY)));
     }
     let mut elements = Elements { rest: content, is_little };
     let Some((class, is_complex, name, sides)) = head(&mut elements) else {
-        return (String::new(), Value::Other(DAMAGED));
+        let class = Elements { rest: content, is_little }.flags()?[0];
+        return (class > LAST_NUMBERS).then(|| (String::new(), Value::Other(DAMAGED)));
     };
     let value = match class {
         OPAQUE | OLD_OBJECT => Some(Value::Other(OBJECT)),
@@ -73,17 +84,15 @@ pub(super) fn named(content: &[u8], is_little: bool) -> (String, Value) {
         ..=LAST_NUMBERS => array_of(&mut elements, &sides, is_complex),
         _ => None,
     };
-    (name, value.unwrap_or(Value::Other(DAMAGED)))
+    Some((name, value.unwrap_or(Value::Other(DAMAGED))))
 }
 
 /// Class, whether it is complex, name and sides.
 fn head(elements: &mut Elements<'_>) -> Option<(u8, bool, String, Vec<usize>)> {
-    let mut flags: [u8; 4] = *elements.next()?.content.first_chunk()?;
-    if !elements.is_little {
-        flags.reverse();
-    }
-    let [class, flags, ..] = flags;
-    let sides = if class == OPAQUE { vec![] } else { elements.numbers()?.iter().map(|side| *side as usize).collect() };
+    let [class, flags, ..] = elements.flags()?;
+    let sides = if class == OPAQUE { vec![] } else { elements.numbers()? };
+    // Sides have a sign in the file.
+    let sides = sides.iter().map(|side| (*side >= 0.0).then_some(*side as usize)).collect::<Option<_>>()?;
     Some((class, flags & COMPLEX != 0, elements.text()?, sides))
 }
 
@@ -268,8 +277,12 @@ mod tests {
         let short = array(6, 0, &[1, 3], "i", &doubles(&[1.0, 2.0]));
         let half = array(6, COMPLEX, &[1, 2], "z", &doubles(&[1.0, 2.0]));
         let fields = array(STRUCTURE, 0, &[1, 1], "s", &element(5, &[2, 0, 0, 0]));
-        let (names, _, about) = file(&[row("t", &[0.0, 1.0]), short, half, fields], false).expect("t");
-        assert_eq!((names, about.omitted.len()), (vec!["t".to_string()], 3));
+        let cells = array(CELLS, 0, &[1000, 1000], "c", &row("", &[1.0]));
+        let (names, _, about) = file(&[row("t", &[0.0, 1.0]), short, half, fields, cells], false).expect("t");
+        assert_eq!((names, about.omitted.len()), (vec!["t".to_string()], 4));
+        let negative = array(CELLS, 0, &[u32::MAX, 1], "c", &[]);
+        let refused = file(&[row("t", &[0.0, 1.0]), negative], false).expect_err("no sides");
+        assert!(refused.contains("not readable as a MATLAB file"), "{refused}");
         assert!(about.omitted.iter().all(|own| own.reason == DAMAGED), "{about:?}");
     }
 }

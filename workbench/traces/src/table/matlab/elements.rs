@@ -17,12 +17,6 @@ const ARRAY: u32 = 14;
 const PACKED: u32 = 15;
 /// The last type of elements, text of 32 bits.
 const LAST: u32 = 18;
-/// Types of the elements of flags and of dimensions.
-const FLAGS: u32 = 6;
-const DIMENSIONS: u32 = 5;
-/// Classes of arrays: that without an element for zeros, and the last one with dimensions.
-const SPARSE: u8 = 5;
-const LAST_CLASS: u8 = 15;
 /// Deepest array in an array.
 const DEEPEST: usize = 16;
 
@@ -108,38 +102,28 @@ impl Unpacking {
             let element = element(rest, is_little)?;
             rest = element.rest;
             match element.kind {
-                ARRAY if depth < DEEPEST => {
-                    self.check(element.content, is_little, depth + 1)?;
-                    let count = count(element.content, is_little)?;
-                    self.told(|limit| limit.claim_numbers([count]))?;
-                }
+                ARRAY if depth < DEEPEST => self.check(element.content, is_little, depth + 1)?,
                 // Packed elements are outermost.
                 ARRAY | PACKED => return None,
                 _ if depth == 0 => return None,
-                _ => {}
+                kind => {
+                    let numbers = element.content.len() / size(kind);
+                    self.told(|limit| limit.claim_numbers([numbers as u64]))?;
+                }
             }
         }
         Some(())
     }
 }
 
-/// Number of elements of an array, which is not more than that of its bytes: each takes at least one, but for the zeros
-/// of a sparse one.
-fn count(content: &[u8], is_little: bool) -> Option<u64> {
-    if content.is_empty() {
-        return Some(0);
+/// Bytes of a number in an element of this type.
+const fn size(kind: u32) -> usize {
+    match kind {
+        1 | 2 | 16 => 1,
+        3 | 4 | 17 => 2,
+        5..=7 | 18 => 4,
+        _ => 8,
     }
-    let flags = element(content, is_little).filter(|own| own.kind == FLAGS && own.content.len() == 8)?;
-    let class = if is_little { flags.content.first()? } else { flags.content.get(3)? };
-    if *class > LAST_CLASS {
-        return Some(0);
-    }
-    // Some programs write them as numbers without a sign.
-    let dimensions = element(flags.rest, is_little).filter(|own| [DIMENSIONS, FLAGS].contains(&own.kind))?;
-    let (sizes, rest) = dimensions.content.as_chunks::<4>();
-    let count = sizes.iter().try_fold(1_usize, |count, own| count.checked_mul(number(own, is_little) as usize))?;
-    let stored = count.min(content.len());
-    (rest.is_empty() && (count == stored || *class == SPARSE)).then_some(stored as u64)
 }
 
 /// Whether a file starts as one of format 5 to 7.
@@ -171,6 +155,7 @@ fn number(bytes: &[u8; 4], is_little: bool) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::matlab::writer::{array, packed};
 
     fn plain(bytes: &[u8]) -> Option<Vec<u8>> {
         unpacked(bytes).expect("within the limit")
@@ -189,19 +174,9 @@ mod tests {
         [&kind.to_le_bytes(), &(content.len() as u32).to_le_bytes(), content, &zeros].concat()
     }
 
-    fn array(class: u8, dimensions: &[u8], inside: &[u8]) -> Vec<u8> {
-        let small = [1, 0, 1, 0, b'c', 0, 0, 0];
-        let flags = tagged(FLAGS, &[class, 0, 0, 0, 0, 0, 0, 0]);
-        tagged(ARRAY, &[&flags, &tagged(DIMENSIONS, dimensions), &small[..], inside].concat())
-    }
-
-    fn cells(dimensions: [u32; 2], inside: &[u8]) -> Vec<u8> {
-        array(1, &dimensions.map(u32::to_le_bytes).concat(), inside)
-    }
-
     #[test]
     fn lengths_beyond_the_file_are_refused() {
-        let good = file(&tagged(ARRAY, &tagged(FLAGS, &[17, 0, 0, 0, 0, 0, 0, 0])));
+        let good = file(&tagged(ARRAY, &tagged(6, &[17, 0, 0, 0, 0, 0, 0, 0])));
         assert_eq!(plain(&good), Some(good.clone()));
         for place in [HEADER + 4, HEADER + 12] {
             for size in [255, 25] {
@@ -219,18 +194,9 @@ mod tests {
     }
 
     #[test]
-    fn counts_and_depths_beyond_the_file_are_refused() {
-        assert!(plain(&file(&cells([1, 1], &cells([1, 0], &[])))).is_some());
-        assert_eq!(plain(&file(&cells([u32::MAX, 1], &[]))), None);
-        assert_eq!(plain(&file(&cells([u32::MAX, u32::MAX], &[]))), None);
-        // A number, as it should be, and with dimensions beyond the file or of an odd length.
-        let number = |dimensions: &[u8], class| plain(&file(&array(class, dimensions, &tagged(9, &[0; 8]))));
-        assert!(number(&[1, 0, 0, 0, 1, 0, 0, 0], 6).is_some());
-        assert_eq!(number(&[1, 0, 0, 0, 0, 0, 0, 9], 6), None);
-        assert!(number(&[1, 0, 0, 0, 0, 0, 0, 9], SPARSE).is_some());
-        assert_eq!(number(&[1], 6), None);
+    fn arrays_within_too_many_others_are_refused() {
         assert_eq!(plain(&file(&tagged(9, &[0; 8]))), None, "no array");
-        let deep = |depth| (0..depth).fold(vec![], |inside, _| cells([1, 1], &inside));
+        let deep = |depth| (0..depth).fold(vec![], |inside, _| array(1, 0, &[1, 1], "c", &inside));
         assert!(plain(&file(&deep(DEEPEST))).is_some());
         assert_eq!(plain(&file(&deep(DEEPEST + 1))), None);
     }
@@ -238,10 +204,9 @@ mod tests {
     /// Bytes that are packed a thousand times, and numbers of one byte that become eight.
     #[test]
     fn what_becomes_too_large_is_refused() {
-        let packed = |elements: &[u8]| crate::table::matlab::writer::packed(elements).expect("in memory");
+        let packed = |elements: &[u8]| packed(elements).expect("in memory");
         let count = 5_u32 << 20;
-        let bytes =
-            array(9, &[1_u32.to_le_bytes(), count.to_le_bytes()].concat(), &tagged(2, &vec![0; count as usize]));
+        let bytes = array(9, 0, &[1, count], "x", &tagged(2, &vec![0; count as usize]));
         let small = file(&packed(&bytes));
         assert!(small.len() < 1 << 20 && plain(&small).is_some());
         let refused =

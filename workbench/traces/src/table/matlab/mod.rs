@@ -95,9 +95,9 @@ fn of_hdf5(bytes: &[u8], about: &mut About) -> Result<Option<Value>, String> {
 fn of_elements(bytes: &[u8]) -> Result<Option<Value>, String> {
     let Some(plain) = elements::unpacked(bytes)? else { return Ok(None) };
     let Some((arrays, is_little)) = elements::outermost(&plain) else { return Ok(None) };
-    let named = arrays.into_iter().map(|content| arrays::named(content, is_little));
+    let named: Option<Vec<_>> = arrays.into_iter().map(|content| arrays::named(content, is_little)).collect();
     // Objects have their content in an array without a name.
-    Ok(Some(Value::Fields(named.filter(|(name, _)| !name.is_empty()).collect())))
+    Ok(named.map(|all| Value::Fields(all.into_iter().filter(|(name, _)| !name.is_empty()).collect())))
 }
 
 #[cfg(test)]
