@@ -78,5 +78,6 @@ fn chain<const FURTHER: usize, const FACTOR: usize>(
         opaque(FrontEnd::push(&mut front_end, &opaque(motor.sample())));
     }
     opaque(Faults::is_clear(&opaque(FrontEnd::faults(&front_end))));
+    opaque(RotorFrame::electrical(FrontEnd::frame(&front_end), opaque(Angle::ZERO)));
     FrontEnd::clear_faults(opaque(&mut front_end));
 }
