@@ -24,7 +24,7 @@ fn methods_memories_and_guards() {
         ("--method instruments --nominal roughness --segment 2500", vec!["segment_samples: 2500"]),
         ("--memory 0.9995", vec!["memory: Memory::Fading", "lambda: 0.9995, floor: 20.0"]),
         ("--memory 0.9999 --method instruments", vec!["Memory::Fading", "lambda: 0.9999, floor: 100.0"]),
-        ("--handover 50", vec!["handover: 50"]),
+        ("--method instruments --handover 50", vec!["handover: 50"]),
     ] {
         succeed(dir, &format!("{train} {options}"));
         let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
