@@ -57,7 +57,7 @@ impl FalseAlarms {
         self.runs.iter().fold((0, 0), |(alarms, judged), run| (alarms + run.alarms, judged + run.judged))
     }
 
-    /// Rate of false alarms, with an interval that counts runs ([`Rate::clustered`]).
+    /// Rate of false alarms, with an interval that counts runs (`Rate::clustered`).
     #[must_use]
     pub fn rate(&self) -> Rate {
         Rate::clustered(&self.runs.iter().map(|run| (run.alarms, run.judged)).collect::<Vec<_>>())

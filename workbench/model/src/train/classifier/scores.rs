@@ -185,7 +185,7 @@ impl Scores {
         value["expected_calibration_error"] = self.calibration_error.into();
     }
 
-    /// Returns the error rate and the keys of [`Scores::add_to`].
+    /// Returns the error rate and the keys of `Scores::add_to`.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let mut value =

@@ -35,7 +35,7 @@
 //! r = (k + 1)/2 · d √(1 + a²)/a − (k − 1)/2   runs                       (6)
 //! ```
 //!
-//! ([`Drift::runs_to`]). A trend that is not significant is in B with the spread of its runs.
+//! (`Drift::runs_to`). A trend that is not significant is in B with the spread of its runs.
 //!
 //! The rate rests on normally distributed runs. Without this assumption, the largest of k + 1 exchangeable runs is the
 //! next one with probability 1/(k + 1): no rate below this is supported ([`supported`]).

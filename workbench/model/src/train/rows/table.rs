@@ -11,7 +11,7 @@ pub struct FeatureTable {
     pub rows: Vec<DVector<f64>>,
     /// What the variances of their errors exceed the usual ones; infinite if the feature is missing.
     pub variances: Vec<DVector<f64>>,
-    /// The usual variances of the errors ([`FeatureTable::with_usual_errors`]); 0 if none are known.
+    /// The usual variances of the errors (`FeatureTable::with_usual_errors`); 0 if none are known.
     pub usual: DVector<f64>,
     /// Class of each row.
     pub classes: Vec<usize>,
