@@ -128,13 +128,6 @@ impl TemperatureValues {
         1.0 - self.warm_up_viscous * self.warmth(t_s)
     }
 
-    /// Mean factor of B over a record of this length, relative to its start (5).
-    #[must_use]
-    pub fn mean_viscous(&self, duration_s: f64) -> f64 {
-        let part = self.warm_up_s / duration_s;
-        1.0 - self.warm_up_viscous * (1.0 - part * (1.0 - libm::exp(-1.0 / part)))
-    }
-
     /// Recorded temperature at these times, °C (6).
     pub(crate) fn measured_c(&self, times_s: &[f64], mut source: NoiseSource) -> Vec<f64> {
         let [cold, hot] = RANGE_C;
