@@ -5,18 +5,10 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Not for programs of a drive: conversions of the feature `nalgebra`, lengths of arrays, which the compiler evaluates,
-/// hidden helpers of macros and constants, and the verification of a signature, whose crate has index checks that the
-/// compiler cannot prove; all of it but the arithmetic is `Trust::verify_with`.
-const ELSEWHERE: [&str; 7] = [
-    "covariance_matrix",
-    "to_matrices",
-    "Model::checked",
-    "Model::marked",
-    "ModelError::name",
-    "Trust::verify",
-    "Bounds::",
-];
+/// Not for programs of a drive: lengths of arrays, which the compiler evaluates, hidden helpers of macros and constants,
+/// and the verification of a signature, whose crate has index checks that the compiler cannot prove; all of it but the
+/// arithmetic is `Trust::verify_with`.
+const ELSEWHERE: [&str; 4] = ["Model::identified", "ModelError::name", "Trust::verify", "Bounds::"];
 
 /// The Rust files below a folder without their tests.
 fn sources(folder: &Path) -> Vec<String> {
@@ -33,8 +25,7 @@ fn sources(folder: &Path) -> Vec<String> {
 /// The names that a module exports, and those of its public modules.
 fn exported(file: &Path, names: &mut BTreeSet<String>) {
     let text = fs::read_to_string(file).expect("a module");
-    let text = text.split("#[doc(hidden)]\npub mod internals").next().unwrap_or_default();
-    let uses = text.split("\npub use ").skip(1).filter_map(|rest| Some(rest.split_once(';')?.0));
+    let uses = text.split("pub use ").skip(1).filter_map(|rest| Some(rest.split_once(';')?.0));
     names.extend(uses.flat_map(|list| list.split(|c: char| !c.is_alphanumeric())).map(ToOwned::to_owned));
     for kind in ["\npub struct ", "\npub enum ", "\npub trait "] {
         names.extend(
@@ -44,7 +35,8 @@ fn exported(file: &Path, names: &mut BTreeSet<String>) {
                 .map(Into::into),
         );
     }
-    for name in text.split("\npub mod ").skip(1).filter_map(|rest| Some(rest.split_once(';')?.0)) {
+    let modules = text.split("\npub mod ").skip(1).filter_map(|rest| Some(rest.split_once(';')?.0));
+    for name in modules.filter(|name| !name.contains('{')) {
         let folder = file.parent().expect("a folder").join(name);
         let module = folder.join("mod.rs");
         exported(&if module.is_file() { module } else { folder.with_extension("rs") }, names);

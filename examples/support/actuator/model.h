@@ -15,7 +15,7 @@
 #include "bearing_watch.h"
 
 /* Number of the model, for `bw_init_own`: another model has another one. */
-#define BW_MODEL_ID 0xe9699a4eu
+#define BW_MODEL_ID 0xa29d7785u
 /* Number of bytes. */
 #define BW_MODEL_LENGTH 1606u
 /* Interval of the samples, s; 0 if it is unknown. */

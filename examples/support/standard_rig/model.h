@@ -10,7 +10,7 @@
 #include "bearing_watch.h"
 
 /* Number of the model, for `bw_init_own`: another model has another one. */
-#define BW_MODEL_ID 0x88e37de5u
+#define BW_MODEL_ID 0xb644003du
 /* Number of bytes. */
 #define BW_MODEL_LENGTH 670u
 /* Interval of the samples, s; 0 if it is unknown. */

@@ -69,7 +69,8 @@ fn the_short_help_fits_a_screen() {
         let heads = |help: &str| help.lines().any(|line| line.starts_with(heading) && line.ends_with(':'));
         assert!(heads(&short) && heads(&long), "{heading}\n{short}");
     }
-    for (option, is_short) in [("--false-alarm", true), ("--bearing", true), ("--huber", false), ("--folds", false)] {
+    for (option, is_short) in [("--false-alarm", true), ("--bearing", true), ("--handover", false), ("--folds", false)]
+    {
         assert_eq!((short.contains(option), long.contains(option)), (is_short, true), "{option}\n{short}");
     }
     assert!(long.contains("Validation ([validation] of drive.toml):"), "{long}");
