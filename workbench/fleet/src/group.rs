@@ -7,7 +7,8 @@
 //! ```
 //!
 //! (1) is taken only of complete groups, so that (2) does not depend on the order of the rows or on the tree of the
-//! merges, but for bits that no constant of a model has. From (2) follow the scatter of the groups' means and that within groups.
+//! merges, but for bits that no constant of a model has. From (2) follow the scatter of the groups' means and that
+//! within groups.
 
 use nalgebra::{DMatrix, DVector};
 

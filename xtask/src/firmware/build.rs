@@ -128,7 +128,8 @@ fn cargo(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
     prepare(&mut cargo, way);
     cargo.current_dir(workspace::root()).args([command, "--release", "--target", board.target]);
     if way == Way::Debian {
-        // After the subcommand: cargo drops a `--config` before it if there is another one after it. For all bare Arm targets: cargo overlooks it under a target's name with a dot.
+        // After the subcommand: cargo drops a `--config` before it if there is another one after it. For all bare Arm
+        // targets: cargo overlooks it under a target's name with a dot.
         let linker = setup::of_compiler("ld.lld-19").display().to_string();
         let target = r#"target.'cfg(all(target_arch = "arm", target_os = "none"))'"#;
         cargo.args(["-Z", "build-std=core,alloc", "--config", &format!("{target}.linker = {linker:?}")]);

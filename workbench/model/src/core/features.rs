@@ -6,7 +6,8 @@
 //!
 //! The workbench selects and projects raw features; the core extracts δ and applies the composed map. The features of
 //! the shaft follow and are the same in both: the parameters of the torque balance, their scores, their logarithms, its
-//! residual, and two numbers per order. Averages of channels come last. Parameters and logarithms have errors of known variance.
+//! residual, and two numbers per order. Averages of channels come last. Parameters and logarithms have errors of known
+//! variance.
 
 use bearing_watch::model::{Balance, Feature, FeatureValue};
 use bearing_watch::plan::{Plan as _, RunTime};

@@ -21,8 +21,9 @@
 //! accelerates the mass causes no friction of the screw; it is at most 1 % of the accelerating torque.
 //!
 //! Integration: Runge–Kutta of fourth order with a fixed step. (1)–(3) are bilinear in ω and i, so they have no exact
-//! step like a motor without rotor frame. The fastest rates are pω = 2.9e3 1/s at 4572 rpm and 0.7e3 1/s of the smoothed friction, at most 0.12 a step of 1/24 000 s: the error of a step is (0.12)⁵/5! = 2e-7,
-//! and no implicit rule is necessary.
+//! step like a motor without rotor frame. The fastest rates are pω = 2.9e3 1/s at 4572 rpm and 0.7e3 1/s of the
+//! smoothed friction, at most 0.12 a step of 1/24 000 s: the error of a step is (0.12)⁵/5! = 2e-7, and no implicit rule
+//! is necessary.
 
 use super::super::bearing::direction;
 use super::super::{BearingGeometry, RigError, positive};

@@ -4,8 +4,8 @@
 //! [X y] = Q [R q; 0 ·],   R θ = q,   cov θ = σ² (XᵀX)⁻¹ = σ² R⁻¹ R⁻ᵀ
 //! ```
 //!
-//! The columns are read from the signals in blocks of rows ([`crate::identify::kernel::triangle`]); Q is not formed. Cost for n
-//! parameters: 2 N n² flops.
+//! The columns are read from the signals in blocks of rows ([`crate::identify::kernel::triangle`]); Q is not formed.
+//! Cost for n parameters: 2 N n² flops.
 
 use nalgebra::{DMatrix, DVector};
 

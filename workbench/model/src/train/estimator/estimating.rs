@@ -1,9 +1,10 @@
 //! The part of a model that estimates, whose constants are trained before any feature is known.
 //!
-//! Segments of which no length is given: a trace is one segment, unless it is much longer than a verdict needs: then it is cut into equal segments of at
-//! least ten seconds, a hundred turns and ten thousand samples. They have enough rows for a feature's error to be small
-//! beside its spread between records, enough turns to tell the orders of a bearing apart, and the drive has a verdict
-//! long before the end of such a trace. Without fading memory a segment has at most [`MAX_SEGMENT_ROWS`].
+//! Segments of which no length is given: a trace is one segment, unless it is much longer than a verdict needs: then it
+//! is cut into equal segments of at least ten seconds, a hundred turns and ten thousand samples. They have enough rows
+//! for a feature's error to be small beside its spread between records, enough turns to tell the orders of a bearing
+//! apart, and the drive has a verdict long before the end of such a trace. Without fading memory a segment has at most
+//! [`MAX_SEGMENT_ROWS`].
 //!
 //! The source of the velocity that is better for a drive: its channel, or the differences of the angle. The noise of the
 //! velocity, differentiated, hides small defects. A resolver resolves 2¹⁴ steps of a turn, whose

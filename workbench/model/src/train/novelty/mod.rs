@@ -4,9 +4,9 @@
 //! segment's distance ([`law`]), so that the mean false-alarm rate over training sets of any size is the set one. The
 //! deviation of a single gate from the set rate depends on the number of segments ([`spread`]).
 //!
-//! Coordinates may have errors of known variance, or be missing (`super::distribution::moments`). The distance of each segment is
-//! that of its available coordinates, with their errors, and [`law::equivalent`] converts it to all coordinates, as the
-//! core does. The number of segments is then that of the coordinate that is missing most often.
+//! Coordinates may have errors of known variance, or be missing (`super::distribution::moments`). The distance of each
+//! segment is that of its available coordinates, with their errors, and [`law::equivalent`] converts it to all
+//! coordinates, as the core does. The number of segments is then that of the coordinate that is missing most often.
 //!
 //! Segments of one run are more alike than those of different runs. If the runs are known ([`Alarms::by_run`]), mean,
 //! covariance and law are those for a segment of the next run ([`runs`]), and the number of runs, not of segments, must

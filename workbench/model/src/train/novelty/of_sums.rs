@@ -7,8 +7,8 @@
 //! d²₋ = (n/(n−1))² q/(1 − c q),   q = d² (n−2)/(n−1),   c = n/((n−1)(n−2))                     (1)
 //! ```
 //!
-//! (1) is (3) of `crate::train::distribution::moments` for rows without errors and missing values, by the formula of Sherman and
-//! Morrison. Without a second pass the tails have their prior probabilities, and the gate is further out.
+//! (1) is (3) of `crate::train::distribution::moments` for rows without errors and missing values, by the formula of
+//! Sherman and Morrison. Without a second pass the tails have their prior probabilities, and the gate is further out.
 
 use bearing_watch::model::KNOTS;
 use nalgebra::{DMatrix, DVector};

@@ -22,8 +22,9 @@
 //! 1.5 times the set one; at few runs it is lower. With one segment in each run, (4) is Hotelling's law of k segments.
 //! Heavy tails of the segments within runs are considered as in [`super::law`].
 //!
-//! Values with errors or missing values: ȳ_i and W are those of `crate::train::distribution::moments` with the runs as classes. The
-//! means then have larger errors than Σ_e/n_i and B is larger, so that S is too large rather than too small.
+//! Values with errors or missing values: ȳ_i and W are those of `crate::train::distribution::moments` with the runs as
+//! classes. The means then have larger errors than Σ_e/n_i and B is larger, so that S is too large rather than too
+//! small.
 //!
 //! (5) A significant trend (5 %, Bonferroni over the coordinates) means that the next run is expected at δ from the
 //! mean of the training runs, outside their spread. δδᵀ covers this distance on both sides of m, whether the drift goes

@@ -15,8 +15,9 @@ use crate::{Error, visible};
 /// Bytes of a row of the array.
 const ROW: usize = 16;
 
-/// Returns the C header of the model with these names of its orders; `notes` become a comment at its head. The bytes are those of the model file without its notes, which are for the workbench. If the `recorded` channels passed
-/// a front end, the header has it, too.
+/// Returns the C header of the model with these names of its orders; `notes` become a comment at its head. The bytes
+/// are those of the model file without its notes, which are for the workbench. If the `recorded` channels passed a
+/// front end, the header has it, too.
 ///
 /// # Errors
 /// A model that is too large for its binary form, or whose front end has no place in the C interface.

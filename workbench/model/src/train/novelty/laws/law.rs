@@ -10,10 +10,10 @@
 //!
 //! For many segments, (2) is exact for coordinates with a multivariate t distribution with τ degrees of freedom. The
 //! probability of each τ follows from the training segments' own distances d²₋ᵢ, each relative to mean and covariance
-//! of the other segments (`moments`). With the most probable τ alone, the mean false-alarm rate would exceed the set one: a tail that is assumed too light adds more alarms than one that is assumed too heavy saves. (3)
-//! therefore averages over τ; the prior is uniform in 1/τ from 0 on, and the Gaussian law has the largest prior. With k
-//! of the p coordinates, (4) gives the d² of all coordinates that is as improbable (Wilson and Hilferty 1931), as in
-//! the core.
+//! of the other segments (`moments`). With the most probable τ alone, the mean false-alarm rate would exceed the set
+//! one: a tail that is assumed too light adds more alarms than one that is assumed too heavy saves. (3) therefore
+//! averages over τ; the prior is uniform in 1/τ from 0 on, and the Gaussian law has the largest prior. With k of the p
+//! coordinates, (4) gives the d² of all coordinates that is as improbable (Wilson and Hilferty 1931), as in the core.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::beta::{beta_reg, ln_beta};
