@@ -1,7 +1,7 @@
 //! The interrupt samples, the main loop solves: [`Detector::exchange`](bearing_watch::Detector::exchange) returns the
-//! place with the sums of a closed segment, `Monitor::take_from` takes it, `Monitor::complete` (or `Monitor::advance`, a
-//! step at a time) makes the report, and `Detector::adopt` makes its estimate the auxiliary model. Three ways print the
-//! same bits: solved at once in the interrupt, solved as a whole in the main loop, and solved there in steps. The
+//! place with the sums of a closed segment, `Monitor::take_from` takes it, `Monitor::complete` (or `Monitor::advance`,
+//! a step at a time) makes the report, and `Detector::adopt` makes its estimate the auxiliary model. Three ways print
+//! the same bits: solved at once in the interrupt, solved as a whole in the main loop, and solved there in steps. The
 //! program fails if the bits differ, if a segment was lost, or if an estimate came too late to be adopted.
 //!
 //! **How large must `handover` be?** The estimate must be adopted before the next segment has `handover` samples.

@@ -48,9 +48,9 @@
 //! ```
 //!
 //! A [`Model`] holds trained constants (flash). A [`watch::Watch`] holds the rest: front end, [`Detector`] and
-//! [`Monitor`]. All take one type parameter, the plan ([`plan!`]). The crate is `no_std`, allocates nothing (but for the
-//! host's feature `alloc`), contains no `unsafe`, and uses no fused multiply-add: the same samples give the same bits on
-//! a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
+//! [`Monitor`]. All take one type parameter, the plan ([`plan!`]). The crate is `no_std`, allocates nothing (but for
+//! the host's feature `alloc`), contains no `unsafe`, and uses no fused multiply-add: the same samples give the same
+//! bits on a host and on a Cortex-M4F. A bad sample is counted and skipped; no function panics.
 //!
 //! Features: `watch` ([`watch::Watch`]; on by default), `defmt` (formats, and a log line for each segment),
 //! `embedded-hal` (the driver `ad2s1210`), `embedded-storage` (records in flash), `telemetry` (frames for a serial line

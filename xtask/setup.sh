@@ -1,21 +1,21 @@
 #!/bin/sh
-# Makes ready what builds of firmware, runs in the emulator and tests of pages need, without root and without touching the
-# system: what is installed in a sufficient version serves, and what is missing is fetched as Debian packages and unpacked
-# below FOLDER: apt with a state of its own reads the system's sources, keys and list of packages, and a script for each
-# program in FOLDER/bin, or in FOLDER/compiler/bin, finds the unpacked libraries.
+# Makes ready what builds of firmware, runs in the emulator and tests of pages need, without root and without touching
+# the system: what is installed in a sufficient version serves, and what is missing is fetched as Debian packages and
+# unpacked below FOLDER: apt with a state of its own reads the system's sources, keys and list of packages, and a script
+# for each program in FOLDER/bin, or in FOLDER/compiler/bin, finds the unpacked libraries.
 #
 #     setup.sh FOLDER check|ensure NEED…
 #
-# A library of C is not unpacked: a program starts with the loader of the system, and with no other library of C than its
-# own.
+# A library of C is not unpacked: a program starts with the loader of the system, and with no other library of C than
+# its own.
 set -eu
 folder=$1 action=$2
 shift 2
 apt=$folder/apt
 export LC_ALL=C PATH="$folder/bin:$PATH"
 
-# What a need is: its title, packages, programs by their places, links PLACE:TARGET which the packages make when they are
-# installed, and what to do where there is no apt-get: a package of most other systems, or a command.
+# What a need is: its title, packages, programs by their places, links PLACE:TARGET which the packages make when they
+# are installed, and what to do where there is no apt-get: a package of most other systems, or a command.
 need() {
     name=$1 links='' elsewhere=$1
     case $name in
@@ -186,8 +186,8 @@ END
     for program in $programs; do
         for place in "$part"/$program; do
             words="'$root/${place#"$part"/}'"
-            # The script names the compiler's library by a way that is in no workspace: by its plain name it is inside of
-            # this one and outside of all others, where cargo calls it by different names, and each workspace would
+            # The script names the compiler's library by a way that is in no workspace: by its plain name it is inside
+            # of this one and outside of all others, where cargo calls it by different names, and each workspace would
             # compile `core` again for the same target directory.
             case $place in */rustc) words="$words --sysroot '/proc/self/root$root/usr'" ;; esac
             script=$part/bin/${place##*/}

@@ -26,10 +26,10 @@ pub struct BwSigned {
 
 /// Checks the model that these bytes start with and the signature of `bearing-watch sign` behind it, before `bw_init`;
 /// what follows both, such as the erased rest of a flash sector, is ignored. `keys` are the public keys that may sign,
-/// as `bearing-watch sign --key FILE` prints them; without one everything is refused. `least_counter` is the counter of the newest
-/// model that has run: keep it where an attacker cannot write it back. The bytes must not change until `bw_init` has
-/// read them. A library that was built without the feature `signature` does not have this function; define
-/// `BEARING_WATCH_SIGNATURE` before the header to declare it.
+/// as `bearing-watch sign --key FILE` prints them; without one everything is refused. `least_counter` is the counter of
+/// the newest model that has run: keep it where an attacker cannot write it back. The bytes must not change until
+/// `bw_init` has read them. A library that was built without the feature `signature` does not have this function;
+/// define `BEARING_WATCH_SIGNATURE` before the header to declare it.
 ///
 /// Takes about 2 million instructions and 6 kB of stack. It is the one function of which the linker does not prove that
 /// it cannot panic: the indices of the arithmetic are within their bounds whatever the bytes, but no compiler sees it.

@@ -32,9 +32,9 @@
 //!
 //! A bearing grows if the interval of the slope is above zero, the size above four of its deviations, and its lower end
 //! above two deviations of a usual run; otherwise there is no time left. Offsets that last for many runs, as of weather,
-//! are not in s², and then a healthy drive may be said to grow: `bearing-watch-studies campaign --field --growth` counts how
-//! often. Cost: 32 bytes a direction, about 60 operations and two roots at the end of a run, and three exponentials for
-//! an answer.
+//! are not in s², and then a healthy drive may be said to grow: `bearing-watch-studies campaign --field --growth`
+//! counts how often. Cost: 32 bytes a direction, about 60 operations and two roots at the end of a run, and three
+//! exponentials for an answer.
 
 use crate::logarithm::ln;
 

@@ -176,8 +176,8 @@ impl<'m, P: Plan> Monitor<'m, P> {
     }
 
     /// Takes a closed segment, which [`Monitor::advance`] solves in steps, and [`Monitor::complete`] at once; what is
-    /// left of the one before is solved now. The report before is withdrawn if this segment puts it in doubt, and stands
-    /// otherwise. Clears the place for the next [`Detector::exchange`].
+    /// left of the one before is solved now. The report before is withdrawn if this segment puts it in doubt, and
+    /// stands otherwise. Clears the place for the next [`Detector::exchange`].
     pub fn take_from(&mut self, place: &mut Segment<P>) {
         self.follow(place.sequence);
         self.fetch(place);
@@ -326,8 +326,8 @@ impl<'m, P: Plan> Monitor<'m, P> {
         (self.work, self.segment) = (Work::Settled, None);
     }
 
-    /// Ends the run and writes alarm and scores; returns the number of bytes, [`Evidence::saved_len`]. In a run that goes
-    /// on, [`Evidence::save`] writes what is left if the power goes off.
+    /// Ends the run and writes alarm and scores; returns the number of bytes, [`Evidence::saved_len`]. In a run that
+    /// goes on, [`Evidence::save`] writes what is left if the power goes off.
     ///
     /// # Errors
     /// [`StateError::BufferTooSmall`].

@@ -1,7 +1,7 @@
 //! The numbers of a model → the number by which the model, and what was made with it, is known.
 //!
-//! It is `const`, so that an exported model has it at compile time. Models with other numbers have other identities, but
-//! for one pair in 2³².
+//! It is `const`, so that an exported model has it at compile time. Models with other numbers have other identities,
+//! but for one pair in 2³².
 
 use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
 use super::sampling::Sampling;

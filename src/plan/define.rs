@@ -4,8 +4,8 @@
 /// With the feature `bounded` it also defines a plan of all models up to some bounds: `pub struct Small(BOUNDS);`.
 ///
 /// The layout is an expression in which each channel stands for its [`Signal`](crate::plan::Signal). A layout whose
-/// parts do not fit does not compile. Channels are `f32` in the unit named; `with angle` adds the field `angle`, which a
-/// plan with bearing orders, or with a shaft without a channel of its velocity, needs.
+/// parts do not fit does not compile. Channels are `f32` in the unit named; `with angle` adds the field `angle`, which
+/// a plan with bearing orders, or with a shaft without a channel of its velocity, needs.
 ///
 /// ```
 /// use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
@@ -231,7 +231,8 @@ macro_rules! plan {
             }
         }
     };
-    // The `Parts` of constants with this layout and these names. An array becomes a slice by the rule of the first name:
+    // The `Parts` of constants with this layout and these names. An array becomes a slice by the rule of the first
+    // name:
     // `coerced` in a constant, where every length is known, and `viewed` by `Cells`.
     (@coerced $array:expr) => { &$array };
     (@viewed $array:expr) => { $crate::plan::Cells::cells(&$array) };

@@ -52,9 +52,9 @@
 //! # Cost
 //!
 //! A verification takes 1.9 million instructions and 27 kB of flash on a Cortex-M4F, a seal 15 500 and 13 kB
-//! (`book/src/faults.md`, `cargo xtask measure`). All functions but [`Trust::verify`] link without a panic; the crate that
-//! verifies indexes arrays within bounds that the compiler does not see. [`Trust::verify_with`] takes the verification
-//! of the boot loader or the chip instead.
+//! (`book/src/faults.md`, `cargo xtask measure`). All functions but [`Trust::verify`] link without a panic; the crate
+//! that verifies indexes arrays within bounds that the compiler does not see. [`Trust::verify_with`] takes the
+//! verification of the boot loader or the chip instead.
 //!
 //! # What it does not do
 //!

@@ -46,8 +46,8 @@ fn run() {
     depths("stack, detector with shaft of 4 orders", &shaft::MODEL, || plant.motion().into());
 }
 
-/// Prints bytes of a sample inside a segment, and of the one that ends it; by `exchange`, of a whole solve, and of a step
-/// of the solve.
+/// Prints bytes of a sample inside a segment, and of the one that ends it; by `exchange`, of a whole solve, and of a
+/// step of the solve.
 #[cfg(target_os = "none")]
 fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::Sample) {
     let model = black_box(model);

@@ -1,6 +1,6 @@
 # The archive of the C library: header, static libraries for the host and for chips, the project of the documents, and
-# the files of c-api/package, by which pkg-config, CMake, Zephyr, PlatformIO, the Arduino IDE, CMSIS packs and ESP-IDF take
-# the unpacked archive. The same libraries give the same bytes: files are sorted and have no times and owners.
+# the files of c-api/package, by which pkg-config, CMake, Zephyr, PlatformIO, the Arduino IDE, CMSIS packs and ESP-IDF
+# take the unpacked archive. The same libraries give the same bytes: files are sorted and have no times and owners.
 #
 # FOLDER has the project, in FOLDER/firmware; CHIP and RISCV are targets, CHIP_LIBRARY and RISCV_LIBRARY the
 # libraries that export the interface only.

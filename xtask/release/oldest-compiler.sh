@@ -1,5 +1,5 @@
-# What the manifests promise of old versions: the crates by the lowest version of the compiler, RUST_VERSION. Its toolchain
-# is looked for in the file system, because rustup's own commands may start to download.
+# What the manifests promise of old versions: the crates by the lowest version of the compiler, RUST_VERSION. Its
+# toolchain is looked for in the file system, because rustup's own commands may start to download.
 set -eu
 for folder in "${RUSTUP_HOME:-$HOME/.rustup}/toolchains/$RUST_VERSION"*; do toolchain=$folder; done
 if [ ! -d "$toolchain" ]; then

@@ -1,5 +1,6 @@
-# The Python package: a source distribution, the wheel that is built from it alone, and its way into an empty environment,
-# where a detector must have the verdicts of the command line on simulated traces of a good and of a bad bearing.
+# The Python package: a source distribution, the wheel that is built from it alone, and its way into an empty
+# environment, where a detector must have the verdicts of the command line on simulated traces of a good and of a bad
+# bearing.
 set -eu
 trap 'rm -rf "$FOLDER"' EXIT
 rm -f "$DIST"/bearing_watch-*

@@ -54,8 +54,9 @@ pub fn tests_are_built() {
     WITH_TESTS.store(true, Ordering::Relaxed);
 }
 
-/// Returns a call of the command line `bearing-watch` at the workspace's root. Where the host tests are built it is built
-/// with them: a build of the program alone has other features of dependencies, and would compile the workbench again.
+/// Returns a call of the command line `bearing-watch` at the workspace's root. Where the host tests are built it is
+/// built with them: a build of the program alone has other features of dependencies, and would compile the workbench
+/// again.
 pub fn workbench() -> Result<Command> {
     let with_tests = WITH_TESTS.load(Ordering::Relaxed);
     let way: &[&str] = if with_tests { &["test", "--no-run", TESTS] } else { &["build", "--bin", "bearing-watch"] };
@@ -81,8 +82,8 @@ fn built(program: &str) -> Command {
     command
 }
 
-/// Runs the host tests that take minutes, in release, and passes on what they print. Returns the table's rows, which are
-/// the lines that start with `|`.
+/// Runs the host tests that take minutes, in release, and passes on what they print. Returns the table's rows, which
+/// are the lines that start with `|`.
 pub fn measure_long() -> Result<Vec<String>> {
     let mut cargo = cargo(&["test", "--release", "--package", "host-tests", "--no-fail-fast"]);
     let mut table = Vec::new();

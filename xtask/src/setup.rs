@@ -1,5 +1,5 @@
-//! What builds of firmware, runs in the emulator and tests of pages need besides cargo: `xtask/setup.sh` fetches what is
-//! missing, below the target directory.
+//! What builds of firmware, runs in the emulator and tests of pages need besides cargo: `xtask/setup.sh` fetches what
+//! is missing, below the target directory.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

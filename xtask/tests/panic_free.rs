@@ -1,13 +1,13 @@
-//! The example `panic_free`, which links without a panic handler, calls every public function of the types that the core
-//! exports.
+//! The example `panic_free`, which links without a panic handler, calls every public function of the types that the
+//! core exports.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Not for programs of a drive: lengths of arrays, which the compiler evaluates, hidden helpers of macros and constants,
-/// and the verification of a signature, whose crate has index checks that the compiler cannot prove; all of it but the
-/// arithmetic is `Trust::verify_with`.
+/// Not for programs of a drive: lengths of arrays, which the compiler evaluates, hidden helpers of macros and
+/// constants, and the verification of a signature, whose crate has index checks that the compiler cannot prove; all of
+/// it but the arithmetic is `Trust::verify_with`.
 const ELSEWHERE: [&str; 4] = ["Model::identified", "ModelError::name", "Trust::verify", "Bounds::"];
 
 /// The Rust files below a folder without their tests.

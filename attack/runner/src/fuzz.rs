@@ -28,7 +28,7 @@ const COVERAGE: [&str; 6] = [
 ];
 /// Programs of the package, and the features that they are built with.
 const PROGRAMS: [(&str, &str); 2] = [("attack-core", "signature"), ("attack-readers", "readers")];
-/// The longest time of one input in seconds, and the largest memory in MB; the program itself limits allocations to 1 GB.
+/// The longest time of one input in seconds, and the largest memory in MB; the program limits allocations to 1 GB.
 const LIMITS: [&str; 3] = ["-timeout=20", "-rss_limit_mb=3000", "-print_final_stats=1"];
 /// Most bytes of the inputs of a kept corpus, before they are packed; the shortest go first.
 const MOST_BYTES: usize = 120_000;

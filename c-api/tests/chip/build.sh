@@ -19,8 +19,8 @@ compile() {
         "-I$model" "-I$(dirname "$library")" "$@" -c "c-api/$source" -o "$object"
 }
 
-# link LINKER OBJECT WORDS…, without start-up code; LIBRARY is the one that is checked. g++ links with the library of C++,
-# which its package does not have and the program does not need.
+# link LINKER OBJECT WORDS…, without start-up code; LIBRARY is the one that is checked. g++ links with the library of
+# C++, which its package does not have and the program does not need.
 link() {
     linker=$1 object=$2 words=$(echo "$3" | sed "s|PROGRAM|$2|g; s|LIBRARY|$library|g")
     for empty in libstdc++.a libstdc++_nano.a; do echo '!<arch>' > "$out/$empty"; done

@@ -1,6 +1,6 @@
-# The archive as a library of PlatformIO, in a folder that has it and the files of its document: its own packer reads the
-# manifest, and its own build makes the firmware. Its registry has the builder SCons and the compiler of a chip. In their
-# places are SCons of pip and the compiler of this machine, which the stand-ins beside this file name.
+# The archive as a library of PlatformIO, in a folder that has it and the files of its document: its own packer reads
+# the manifest, and its own build makes the firmware. Its registry has the builder SCons and the compiler of a chip. In
+# their places are SCons of pip and the compiler of this machine, which the stand-ins beside this file name.
 set -eu
 stand_ins=$CHECKOUT/c-api/tests/platformio
 export PLATFORMIO_CORE_DIR="$PWD/core"

@@ -7,8 +7,8 @@ use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 /// Cycles of the processor a second.
 pub const CLOCK_HZ: u32 = 168_000_000;
 
-/// Cycles that `WATCH.sample` and `WATCH.collect` may take at most: those of the table in `book/src/target.md` with 5 wait
-/// states, and a third more for flash whose cache other code uses.
+/// Cycles that `WATCH.sample` and `WATCH.collect` may take at most: those of the table in `book/src/target.md` with 5
+/// wait states, and a third more for flash whose cache other code uses.
 pub const MOST_CYCLES: [u32; 2] = [2640 * 4 / 3, 4530 * 4 / 3];
 
 /// The flash for records, and the address of two sectors that the program does not use; `None` leaves its test out. On

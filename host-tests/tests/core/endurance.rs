@@ -57,8 +57,8 @@ impl Normal {
     }
 }
 
-/// The row of the newest of these samples: levels, differences and the target y − y₁, each with its scale. Differences of
-/// single precision and powers of two are those of the core.
+/// The row of the newest of these samples: levels, differences and the target y − y₁, each with its scale. Differences
+/// of single precision and powers of two are those of the core.
 fn scaled_row(structure: Structure, scale: &[f32], newest_first: &VecDeque<Inputs>) -> Vec<f32> {
     let Structure { na, nb, nc, nkb, nkc, .. } = structure;
     let signals: [fn(&Inputs) -> f32; 3] = [|s| s.y, |s| s.u1, |s| s.u2];

@@ -1,6 +1,6 @@
-//! The workbench's part of the comparison of readers in `cargo xtask docs peers`: `reading FILE ROUNDS` reads every column
-//! of a recording as `xtask/peers/reading.py` writes it, and prints the median time in seconds and a sum of the values.
-//! Its allocator is that of the `bearing-watch` command.
+//! The workbench's part of the comparison of readers in `cargo xtask docs peers`: `reading FILE ROUNDS` reads every
+//! column of a recording as `xtask/peers/reading.py` writes it, and prints the median time in seconds and a sum of the
+//! values. Its allocator is that of the `bearing-watch` command.
 
 use std::error::Error;
 use std::path::PathBuf;

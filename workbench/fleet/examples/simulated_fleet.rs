@@ -1,8 +1,8 @@
 //! Simulates a fleet as features, to measure training from them.
 //!
 //! `simulated_fleet DRIVES SEGMENTS PARTS SEED DIR` writes parts of drives with so many segments each, in ten runs.
-//! Eight of ten drives are healthy, one has a spall, one lost its lubrication. Drives and runs have offsets. The detector
-//! and the classes are those of the DC rig, so that a model of the fleet runs on its traces.
+//! Eight of ten drives are healthy, one has a spall, one lost its lubrication. Drives and runs have offsets. The
+//! detector and the classes are those of the DC rig, so that a model of the fleet runs on its traces.
 
 #[path = "../tests/fleet/simulated.rs"]
 mod simulated;

@@ -3,8 +3,9 @@
 /// How many lines of a difference are shown.
 const SHOWN: usize = 6;
 
-/// The first lines that differ, or none. A number is compared with the one at the same place of the same line, from which
-/// it may differ by a part of the larger one; the text between them must be equal, and without tolerance all of it.
+/// The first lines that differ, or none. A number is compared with the one at the same place of the same line, from
+/// which it may differ by a part of the larger one; the text between them must be equal, and without tolerance all of
+/// it.
 pub fn difference(documented: &[String], found: &[String], tolerance: f64) -> Option<String> {
     let mut text = Vec::new();
     for k in 0..documented.len().max(found.len()) {

@@ -8,7 +8,7 @@
 //! %columns A; B                   from here on `*` in a reference stands for A in a cell, and for B in the next one
 //! %from FILE | TITLE              from here on references are cells of the table with this title in a document, or of
 //!                                 its tables in Markdown if there is no title
-//! {ROW; COLUMN FORMAT}            a number of a row; formats are `.1` for one decimal, `max` for the largest of all rows,
+//! {ROW; COLUMN FORMAT}            a number of a row; formats are `.1` for one decimal, `max` for the largest,
 //!                                 `percent` of a rate, `span` of records, `second` behind a slash; the column `source`
 //!                                 is the first number behind the second column; several between + are summed
 //! ```

@@ -52,8 +52,8 @@ pub fn build_with(way: Way, board: Board, example: &str, settings: &[&str], mode
     existing(folder.join("examples").join(example))
 }
 
-/// Checks every example with every feature of its package but `alloc`, which is for hosts. Checks, since each example is
-/// also built with its own features, and building takes minutes.
+/// Checks every example with every feature of its package but `alloc`, which is for hosts. Checks, since each example
+/// is also built with its own features, and building takes minutes.
 pub fn check_all_features(way: Way, board: Board) -> Result<&'static str> {
     for package in metadata()?.iter().filter(|package| PACKAGES.iter().any(|name| package["name"] == *name)) {
         let features = package["features"].as_object().context("cargo names no features")?.keys();
@@ -149,7 +149,8 @@ fn cargo(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
 }
 
 /// Gives cargo, or what calls it, the compiler for chips. Debian has no library for the target: core is built from its
-/// source, which wants the nightly option `build-std`, and that in turn the variable that lets a stable compiler take it.
+/// source, which wants the nightly option `build-std`, and that in turn the variable that lets a stable compiler take
+/// it.
 pub fn prepare(caller: &mut Command, way: Way) {
     if way == Way::Rustup {
         // Said, because a workspace of its own would else have a folder of its own.

@@ -13,7 +13,7 @@ use super::board::{Board, RISCV};
 use super::elf;
 use crate::{cargo, child};
 
-/// Far above what any example takes; firmware for another core hangs without a word.
+/// Far above what any example takes; firmware for another core prints nothing and does not end.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Runs an ELF file on a board and returns its lines, decoded where it logs by `defmt`. Fails when it does not end by

@@ -31,7 +31,8 @@ impl fmt::Display for Way {
 }
 
 impl Way {
-    /// The way that was asked for, else the one the environment names, else one that is installed, else one that can be.
+    /// The way that was asked for, else the one the environment names, else one that is installed, else one that can
+    /// be.
     fn choose(asked: Option<Self>) -> Result<Self> {
         let named = env::var(VARIABLE).ok().filter(|name| !name.is_empty());
         match (asked, named) {

@@ -1,5 +1,5 @@
-//! The ways of `c-api/ARCHIVE.md` from the archive into empty projects: programs for the host, and firmware, by the build
-//! systems that the archive has files for. Each must print the verdicts of Rust.
+//! The ways of `c-api/ARCHIVE.md` from the archive into empty projects: programs for the host, and firmware, by the
+//! build systems that the archive has files for. Each must print the verdicts of Rust.
 
 use std::fs;
 use std::path::Path;
@@ -34,8 +34,8 @@ enum Run {
     Twice,
 }
 
-/// A project: what it uses, packages of PyPI that it needs, a shell command that builds it beside the unpacked archive and
-/// the files of the document, the folder where its program runs, the program, and how it runs.
+/// A project: what it uses, packages of PyPI that it needs, a shell command that builds it beside the unpacked archive
+/// and the files of the document, the folder where its program runs, the program, and how it runs.
 type Project = (&'static str, &'static [&'static str], &'static str, &'static str, &'static str, Run);
 
 const PROJECTS: [Project; 6] = [

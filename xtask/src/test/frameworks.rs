@@ -1,6 +1,6 @@
-//! The drive monitor under RTIC and embassy, tests for boards, and a drive that knows nothing of bearing-watch under the
-//! field-oriented control of another crate: recorded, described, trained, and watched in closed loop in the emulator, as
-//! its engineers would do it.
+//! The drive monitor under RTIC and embassy, tests for boards, and a drive that knows nothing of bearing-watch under
+//! the field-oriented control of another crate: recorded, described, trained, and watched in closed loop in the
+//! emulator, as its engineers would do it.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -38,8 +38,8 @@ fn compare(way: Way, name: &str) -> Result<String> {
     equal(&host, &qemu::run_in(&folder, &elf, DRIVE)?)
 }
 
-/// The tests of `frameworks/on-board`, built as a user builds them for probe-rs, and run in the emulator, which gets the
-/// address of a test as probe-rs gives it. Returns their names.
+/// The tests of `frameworks/on-board`, built as a user builds them for probe-rs, and run in the emulator, which gets
+/// the address of a test as probe-rs gives it. Returns their names.
 fn on_board(way: Way) -> Result<String> {
     let elf = build_suite(way, &crates().join("on-board"), "suite")?;
     let tests = elf::tests(&elf)?;

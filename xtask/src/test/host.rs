@@ -12,7 +12,7 @@ use crate::python;
 use crate::report::{Libtest, Pytest, Tally};
 use crate::{child, workspace};
 
-/// Success without a word of praise, since the program has printed its own.
+/// Success without a note, since the program has printed its own lines.
 fn silent(command: &mut Command) -> Result<&'static str> {
     let status = child::lines(command, |line| println!("{line}"))?;
     ensure!(status.success(), "{status}");

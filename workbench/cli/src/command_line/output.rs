@@ -1,4 +1,5 @@
-//! Output: lines and JSON on standard output; warnings, notes and progress bars on standard error, as much as is wanted.
+//! Output: lines and JSON on standard output; warnings, notes and progress bars on standard error, as much as is
+//! wanted.
 //!
 //! The libraries report through the crate `log`; only the reports of this project's crates are printed.
 

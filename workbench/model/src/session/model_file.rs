@@ -142,7 +142,8 @@ fn of_bytes(path: &Path, bytes: &[u8]) -> Result<(Embedded, Notes), Error> {
     Ok((model, notes))
 }
 
-/// A model file without the signature that may follow the model; firmware verifies it, and `bearing-watch sign --verify`.
+/// A model file without the signature that may follow the model; firmware verifies it, and `bearing-watch sign
+/// --verify`.
 fn without_signature(bytes: &[u8]) -> &[u8] {
     let Ok(length) = bearing_watch::model::stored_len(bytes) else { return bytes };
     let (model, rest) = bytes.split_at(length.min(bytes.len()));

@@ -80,9 +80,9 @@ impl EmaDefect {
     /// The size of spall and lost lubrication at which the source's method errs as in its chapter 5.
     ///
     /// The thesis gives no size. Under the fixed condition `moog-1`, the classifier of Table 5.2 (order [1 2 1 1 1],
-    /// principal components of a and b by iv4) misclassifies 35 %; `bearing-watch-studies campaign --ema` prints its errors by
-    /// size, of which this one is the nearest power of two. Under random conditions no size helps this method: its
-    /// errors with 24 times the full size are still above 40 %.
+    /// principal components of a and b by iv4) misclassifies 35 %; `bearing-watch-studies campaign --ema` prints its
+    /// errors by size, of which this one is the nearest power of two. Under random conditions no size helps this
+    /// method: its errors with 24 times the full size are still above 40 %.
     pub const CALIBRATED: f64 = 0.5;
 
     /// The defect of a class. The roughness of this rig is lost lubrication; a spall with roughness is the degraded

@@ -31,8 +31,8 @@ const GIVEN: &str = "counts.bin";
 /// Instructions, and cycles for each of [`WAIT_STATES`].
 type Counts<T> = [T; 1 + WAIT_STATES.len()];
 
-/// Runs a program that reads no other files. Returns the lines that it prints by itself, and those with the counts of the
-/// trace in the place of its own.
+/// Runs a program that reads no other files. Returns the lines that it prints by itself, and those with the counts of
+/// the trace in the place of its own.
 pub fn lines(elf: &Path, board: Board) -> Result<(Vec<String>, Counts<Vec<String>>)> {
     let folder = &workspace::target_dir().join("cycles");
     fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;

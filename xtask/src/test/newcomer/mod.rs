@@ -1,6 +1,6 @@
-//! The documents' ways into firmware, step by step, in an empty crate and in an empty C project, by its Makefile as C and
-//! as C++, and by its files for CMake; and the crate to copy. Each must end with the verdicts of the host, and a second
-//! run with an alarm.
+//! The documents' ways into firmware, step by step, in an empty crate and in an empty C project, by its Makefile as C
+//! and as C++, and by its files for CMake; and the crate to copy. Each must end with the verdicts of the host, and a
+//! second run with an alarm.
 
 pub mod blocks;
 mod folder;
@@ -49,8 +49,8 @@ pub const FILES: [&str; 8] = [
     "model/rows.bin",
 ];
 
-/// A shell command that builds the C project of the documents, and the program that it makes. g++ links with the library
-/// of C++, which its package does not have and the program does not need.
+/// A shell command that builds the C project of the documents, and the program that it makes. g++ links with the
+/// library of C++, which its package does not have and the program does not need.
 pub const BUILDERS: [(&str, &str, &str); 3] = [
     ("make", "make", "drive"),
     (

@@ -28,7 +28,8 @@ const COLOUR_ORDER: usize = 25;
 /// be solved, the result of the last solved pass is returned with `converged` false.
 ///
 /// # Errors
-/// The errors of [`least_squares`](crate::identify::least_squares); also instruments that do not determine the parameters.
+/// The errors of [`least_squares`](crate::identify::least_squares); also instruments that do not determine the
+/// parameters.
 pub fn instrumental_variables(trace: &Trace, structure: Structure, passes: usize) -> Result<Estimate, Error> {
     let mut theta = ls::parameters(trace, structure)?;
     let mut reflected = 0;

@@ -27,7 +27,8 @@ use crate::trace::Trace;
 /// Estimates by iv4.
 ///
 /// # Errors
-/// The errors of [`least_squares`](crate::identify::least_squares); also instruments that do not determine the parameters.
+/// The errors of [`least_squares`](crate::identify::least_squares); also instruments that do not determine the
+/// parameters.
 pub fn iv4(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
     let first = ls::parameters(trace, structure)?;
     let mut scratch = Scratch::default();

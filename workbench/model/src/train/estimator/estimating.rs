@@ -6,11 +6,11 @@
 //! apart, and the drive has a verdict long before the end of such a trace. Without fading memory a segment has at most
 //! [`MAX_SEGMENT_ROWS`].
 //!
-//! The source of the velocity that is better for a drive: its channel, or the differences of the angle. The noise of the
-//! velocity, differentiated, hides small defects. A resolver resolves 2¹⁴ steps of a turn, whose
-//! differences have less noise than most velocity channels; a channel is better if it is filtered, if its samples are
-//! averages, or if the sampling instants vary. Both are tried with the core on healthy traces: the cost of
-//! [`super::filters`] is the deviation of the orders' amplitudes.
+//! The source of the velocity that is better for a drive: its channel, or the differences of the angle. The noise of
+//! the velocity, differentiated, hides small defects. A resolver resolves 2¹⁴ steps of a turn, whose differences have
+//! less noise than most velocity channels; a channel is better if it is filtered, if its samples are averages, or if
+//! the sampling instants vary. Both are tried with the core on healthy traces: the cost of [`super::filters`] is the
+//! deviation of the orders' amplitudes.
 //!
 //! Without a load sensor most of that deviation is the load's, whatever the source, and a source whose noise makes the
 //! residual smaller makes the defect smaller too. Then the second differences of both tell which has less noise.

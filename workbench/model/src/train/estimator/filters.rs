@@ -9,7 +9,8 @@
 //! torque balance does not know; parameters of the segment itself know more than nominal ones, and change meanwhile.
 //! Which is better depends on the drive: each is tried with the core.
 //!
-//! The number of harmonics of the bearing orders that the core uses, from healthy traces and the same traces with pulses.
+//! The number of harmonics of the bearing orders that the core uses, from healthy traces and the same traces with
+//! pulses.
 //!
 //! ```text
 //! i' = i + A sgn(ω) Σ_h √w_h cos(h (O (1 + c δ) θ + φ)),   A: four deviations of the order's amplitude        (2)

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! m and D are mean and variance of the order's score given the coordinates before it, r the reach of the gate, k the
-//! acceptable multiple ([`crate::train::Alarms::acceptable`]). (2) holds for the amplitude, which grows with the noise, and
-//! for the amplitude over the deviation of the noise, which the motion alone determines. By the quantile a set whose
-//! motions differ much leaves no more than one in fifty of its own segments without a verdict.
+//! acceptable multiple ([`crate::train::Alarms::acceptable`]). (2) holds for the amplitude, which grows with the noise,
+//! and for the amplitude over the deviation of the noise, which the motion alone determines. By the quantile a set
+//! whose motions differ much leaves no more than one in fifty of its own segments without a verdict.
 
 use bearing_watch::model::Feature;
 use bearing_watch::shaft::OrderStrength;

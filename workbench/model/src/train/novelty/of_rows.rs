@@ -54,8 +54,8 @@ pub(crate) fn required_gate(rows: Rows<'_>, runs: Option<&[usize]>, alarms: &Ala
     gate(rows, runs, &alarms)?.map_err(Error::Training)
 }
 
-/// Returns the gate of a table of healthy rows alone, whose values may have errors or be missing; of rows with runs, each
-/// with a number in the order of time, that for the next run.
+/// Returns the gate of a table of healthy rows alone, whose values may have errors or be missing; of rows with runs,
+/// each with a number in the order of time, that for the next run.
 ///
 /// # Errors
 /// Too few rows or runs for the rate, or coordinates that are constant or depend on each other.

@@ -8,8 +8,8 @@
 //! the weighted mean of the squared residuals less v. Rows without the feature are left out. The least significant
 //! coefficient is set to zero and the rest refitted until all are significant: two-sided t test at 1 % divided by the
 //! number of all coefficients (Bonferroni). A linear term stays beside its square. If the runs of the rows are known
-//! and count ([`Alarms::by_run`](crate::train::Alarms::by_run)), rows of one run have a common error: the covariance of the
-//! coefficients is then that of clusters (Liang and Zeger 1986), with as many degrees of freedom as runs less the
+//! and count ([`Alarms::by_run`](crate::train::Alarms::by_run)), rows of one run have a common error: the covariance of
+//! the coefficients is then that of clusters (Liang and Zeger 1986), with as many degrees of freedom as runs less the
 //! coefficients.
 //!
 //! Rows of all classes are corrected by (1), as the core does

@@ -23,8 +23,7 @@ use rayon::prelude::*;
 use model::trace::Recorded;
 
 use crate::damaged::{DAMAGED, guarded};
-use crate::table::columns::About;
-use crate::table::columns::{Columns, Wanted};
+use crate::table::columns::{About, Columns, Wanted};
 use crate::table::from_first::{FromFirst, HEAD, TEXTS, are_dates};
 use crate::table::limit::Limit;
 use model::Error;

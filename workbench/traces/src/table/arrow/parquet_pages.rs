@@ -207,8 +207,8 @@ mod tests {
         table.read(Wanted { numbers: &[0], text: None, row: &|_| true }).expect_err("forged").to_string()
     }
 
-    /// Without the checks the reader asks for as many texts as a list claims, for minutes, or reserves as many values as
-    /// a dictionary claims.
+    /// Without the checks the reader asks for as many texts as a list claims, for minutes, or reserves as many values
+    /// as a dictionary claims.
     #[test]
     fn lists_in_headers_and_dictionaries_of_more_values_than_bytes_are_refused() {
         let said = refused(vec![1.0, 2.0], |bytes| {

@@ -1,5 +1,5 @@
-//! The elements of a MATLAB file of format 5 to 7, unpacked within the limit of the file, and refused if they do not fit
-//! into each other: their reader ([`super::arrays`]) is recursive, and makes eight bytes of a small number.
+//! The elements of a MATLAB file of format 5 to 7, unpacked within the limit of the file, and refused if they do not
+//! fit into each other: their reader ([`super::arrays`]) is recursive, and makes eight bytes of a small number.
 //!
 //! ```text
 //! file     128 bytes of header, the last two "IM" (little-endian) or "MI"; elements

@@ -135,7 +135,8 @@ pub(super) fn told(lines: &[Line<'_>], comments: &[Line<'_>], mark: Mark) -> (To
     (decided(&sayings), lasts)
 }
 
-/// The rate by a value of this name, such as `fs` or `dt`, in Hz or s if the name has no unit; `told` names it in notes.
+/// The rate by a value of this name, such as `fs` or `dt`, in Hz or s if the name has no unit; `told` names it in
+/// notes.
 pub(in crate::table) fn of_value(name: &str, value: f64, told: &str) -> Told {
     let Some((Says::Rates(rates), _)) = says(&format!("{name}={value}"), Mark::Point) else { return Told::Nothing };
     let Some(Rate { hz: rate_hz, .. }) = rates.first().copied() else { return Told::Nothing };
