@@ -122,11 +122,11 @@ fn no_client_keeps_others_from_the_pages() {
     let (status, page) = served.get("/");
     assert!(status == 200 && page.contains("/page/large.html"));
     assert!(start.elapsed() < Duration::from_secs(3), "{:?}", start.elapsed());
-    // A head without end.
+    // A head without end. The system itself takes tens of MB that nobody reads (`tcp_rmem` and `tcp_wmem`).
     let mut stream = connect();
     let line = format!("X: {}\r\n", "y".repeat(1000));
-    let sent = (0..5000).map_while(|_| stream.write_all(line.as_bytes()).ok()).count();
-    assert!(sent < 5000, "5 MB of header were taken");
+    let sent = (0..100_000).map_while(|_| stream.write_all(line.as_bytes()).ok()).count();
+    assert!(sent < 100_000, "100 MB of header were taken");
     assert_eq!(served.ask("GET", "/", &format!("127.0.0.1\r\nX: {}", "y".repeat(20_000))).0, 431);
     // One that sends a byte now and then is answered by the end of its time.
     let mut slow = connect();
