@@ -69,6 +69,7 @@ class _Classifier(_Choice, total=False):
     """What decides, and how it is trained."""
 
     rising: Union[str, Sequence[str]]
+    identify: bool
     projection: Literal["none", "pca", "pca-raw", "fisher"]
     components: int
     variance: float

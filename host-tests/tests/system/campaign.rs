@@ -92,10 +92,12 @@ fn what_is_trained_is_what_flies() {
     let model = trained.embed().expect("embeds");
     let first = model.run(&set[0].trace);
     let own: Vec<f64> = first[0].shaft_features.iter().map(|x| f64::from(x.value)).collect();
-    let place = trained.recipe.catalogue().names().iter().position(|name| name == "drag_score").expect("a feature");
-    let before = trained.recipe.catalogue().names().len() - own.len();
+    let place = |names: &[String]| names.iter().position(|name| name == "drag_score").expect("a feature");
+    let of_detector = trained.catalogue().names();
+    let before = of_detector.len() - own.len();
     // The same code on the same samples: the same bits.
-    assert_eq!(trained.candidates.table.rows[0][place], own[place - before]);
+    let trained_on = trained.candidates.table.rows[0][place(&trained.candidates.features)];
+    assert_eq!(trained_on, own[place(&of_detector) - before]);
 }
 
 #[test]

@@ -19,6 +19,7 @@ pub(super) fn page(file: &Path) -> Result<Page, Error> {
         ("classes", model.classes.join(", ")),
         ("healthy class", healthy.clone().unwrap_or_else(|| "none".into())),
         ("channels", model.channel_names().join(", ")),
+        ("estimates", model.estimates(&notes.orders)),
         ("features", notes.features.join(", ")),
         ("sampling interval", format!("{} s", sampling.interval_s)),
         ("samples a segment", sampling.segment_samples.to_string()),

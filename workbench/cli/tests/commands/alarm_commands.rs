@@ -63,8 +63,8 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
     assert!(told.contains("features drag_score, inverse_kt_score, order_outer"), "{told}");
     let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
     assert!(
-        source.contains("orders: 4,")
-            && source.contains("struct Sample with angle")
+        source.contains("orders: 1,")
+            && source.contains("struct Sample with angle { current_a: \"A\", load_torque_nm: \"N·m\" }")
             && source.contains("orders outer 3.71795"),
         "{source}"
     );

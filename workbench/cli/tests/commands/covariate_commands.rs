@@ -23,7 +23,7 @@ fn a_temperature_explains_friction_and_its_range_is_kept() {
     assert!(told.contains("(mean_temperature_c − ") && told.contains(" % of its variance"), "{told}");
     let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
     assert!(
-        source.contains("averaged: temperature_c.mask(),") && source.contains("Feature::ChannelMean(3)"),
+        source.contains("averaged: temperature_c.mask(),") && source.contains("Feature::ChannelMean(2)"),
         "{source}"
     );
     let numbers = json(&succeed(dir, &format!("{train} --json")));

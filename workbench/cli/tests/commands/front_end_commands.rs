@@ -28,10 +28,10 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
     let source = text(&dir.join("m.rs"));
     for words in [
         "pub type DriveFrontEnd = bearing_watch::drive::FrontEnd<FURTHER, 4>;",
-        "pub const FURTHER: usize = 2;",
+        "pub const FURTHER: usize = 1;",
         "pub const FRONT_END: bearing_watch::drive::FrontEndConstants",
         "pub const fn position(counts: u32)",
-        "let [load_torque_nm, velocity_ref_rad_s] = clean.further;",
+        "let [load_torque_nm] = clean.further;",
         "Feed every sample of the front end",
     ] {
         assert!(source.contains(words), "{words} in {source}");
@@ -41,7 +41,7 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
         "#include \"bearing_watch.h\"",
         "#define BW_FRONT_END_FACTOR 4u",
         "#define BW_FRONT_END_POSITION_BITS 14u",
-        "enum { BW_FRONT_END_FURTHER_LOAD_TORQUE_NM = 0, BW_FRONT_END_FURTHER_VELOCITY_REF_RAD_S = 1 };",
+        "enum { BW_FRONT_END_FURTHER_LOAD_TORQUE_NM = 0 };",
         "4000.0f, /* control_rate_hz */",
         "values[1] = clean->velocity_rad_s;",
     ] {
@@ -53,10 +53,10 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
     let shown = succeed(dir, "replay --model m.bwm v/ema_roughness_2_000.csv");
     assert!(shown.contains("roughness"), "{shown}");
 
-    // Rows for firmware: 8 bytes of heading, then 24 for each of 40 000 rows at most.
+    // Rows for firmware: 8 bytes of heading, then 20 for each of 40 000 rows at most.
     succeed(dir, "replay --model m.bwm v/ema_roughness_2_000.csv --rows rows.bin");
     let rows = std::fs::read(dir.join("rows.bin")).expect("rows");
-    assert!(rows.starts_with(b"BWR1\x02\0\0\0") && rows.len() == 8 + 24 * 40_000, "{}", rows.len());
+    assert!(rows.starts_with(b"BWR1\x01\0\0\0") && rows.len() == 8 + 20 * 40_000, "{}", rows.len());
     refuse(dir, "replay --model m.bwm v --rows rows.bin", &["--rows", "one recording"]);
 
     // A phase without current is named, and leaves no verdict from its samples.
@@ -80,7 +80,8 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
     with("factor = 4", "factor = 5");
     refuse(dir, &format!("{other} --model o.bwm"), &["other.toml", "factor 5"]);
     refuse(dir, &format!("{train} --park thesis --model o.bwm"), &["--park", "--front-end"]);
-    let difference = train.replace("--u1 velocity_ref_rad_s", "--u1 velocity_ref_rad_s-position_m");
+    let difference =
+        format!("{train} --identify").replace("--u1 velocity_ref_rad_s", "--u1 velocity_ref_rad_s-position_m");
     refuse(dir, &format!("{difference} --model o.bwm --rust o.rs"), &["--rust", "a difference of columns"]);
     refuse(dir, &format!("{difference} --model o.bwm --c o.h"), &["--c", "a difference of columns"]);
     refuse(dir, &format!("{train} --front-end missing.toml --model o.bwm"), &["--front-end"]);

@@ -38,6 +38,46 @@ fn methods_memories_and_guards() {
     assert_eq!((&json["method"], &json["settle_samples"]), (&"instruments".into(), &100.into()));
 }
 
+/// A detector computes the difference model if a feature reads it, or if it is asked for; the rest has the same bits, and
+/// its recordings do without the input that only this model takes.
+#[test]
+fn a_difference_model_that_no_feature_reads_does_not_run() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --condition mix --count 8 --seed 6 --out t");
+    let shaft = "--angle angle_rad --velocity velocity_rad_s --load load_torque_nm --bearing 9,3,17,10";
+    let train = format!("train --labels t/labels.csv {} {shaft}", signals("velocity_ref_rad_s", "2,1,2,1,1"));
+    let trained = |options: &str| {
+        let told = succeed(dir, &format!("{train} {options} --model m.bwm --rust m.rs"));
+        let replayed = succeed(dir, "replay --model m.bwm t/spall_mix_6_003.csv --json");
+        let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
+        (told, source, serde_json::from_str::<serde_json::Value>(&replayed).expect("JSON")[0].take())
+    };
+    let (told, source, mut without) = trained("");
+    assert!(told.contains("estimated by the torque balance; orders outer, inner; no feature reads"), "{told}");
+    assert!(!source.contains("RegressionLayout") && !source.contains("velocity_ref_rad_s"), "{source}");
+    assert!(without["parameters"].is_null() && without["variance"].is_null(), "{without}");
+    let shorter = std::fs::read_to_string(dir.join("t/spall_mix_6_003.csv")).expect("trace");
+    std::fs::write(dir.join("shorter.csv"), shorter.replace("velocity_ref_rad_s", "other")).expect("writable");
+    let page = "replay --model m.bwm shorter.csv --report replay.html";
+    assert!(succeed(dir, page).contains("spall  ["), "without the reference");
+    let page = std::fs::read_to_string(dir.join("replay.html")).expect("page");
+    assert!(page.contains("The detector estimates the torque balance; the orders outer, inner."), "what runs");
+    let (told, source, mut with) = trained("--identify");
+    assert!(told.contains("estimated by least squares") && source.contains("u1: velocity_ref_rad_s"), "{told}");
+    assert!(with["parameters"]["a1"].is_number() && with["variance"].is_number(), "{with}");
+    // The rows of a segment are those of the difference model, if there is one.
+    for key in ["parameters", "variance", "rows"] {
+        (with[key], without[key]) = Default::default();
+    }
+    assert_eq!(with, without);
+    // A feature that reads it, or a mean of its input.
+    for options in ["--features log_variance,drag", "--features drag,rms_velocity_ref_rad_s"] {
+        let (_, source, _) = trained(options);
+        assert!(source.contains("u1: velocity_ref_rad_s"), "{options}: {source}");
+    }
+}
+
 #[test]
 fn what_a_segment_was_denied_is_told() {
     let folder = tempfile::tempdir().expect("folder");

@@ -11,7 +11,7 @@ use crate::plan_files::files;
 use crate::{Choice, Fit, Independent, Part, Plan, Sums, Tails, Wanted, fingerprint, fold};
 use model::Error;
 use model::outputs::{self, Exports};
-use model::session::description::{self, method_word};
+use model::session::description;
 use model::session::{Log, Notes, read_by, rust_source};
 use model::settings::{Settings, Validation};
 use model::train::c_header::c_header;
@@ -159,7 +159,7 @@ impl TrainedOnParts {
             "rows": sums.rows,
             "left_out": trained.left_out.count,
             "features": trained.feature_names,
-            "method": method_word(trained.recipe.estimation.method),
+            "method": description::method(trained),
             "segment_samples": trained.segment_samples,
             "novelty": description::gate_to_json(trained),
             "tails_from_segments": self.tails,

@@ -8,10 +8,10 @@ use super::coordinates;
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
 use super::watch::{self, Watched};
-use super::wiring::{Feed, Field, fields};
+use super::wiring::{Feed, Field, column, fields};
 use super::words::explain;
 use crate::identify::Structure;
-use crate::trace::Trace;
+use crate::trace::{Channels, Trace};
 
 /// A model of the core, ready to run over traces.
 #[derive(Clone, Debug)]
@@ -154,6 +154,24 @@ impl Embedded {
     #[must_use]
     pub fn structure(&self) -> Option<Structure> {
         self.model.plan().layout().regression.map(|regression| regression.structure)
+    }
+
+    /// What the detector estimates, in words, by the names of the tracked orders.
+    #[must_use]
+    pub fn estimates(&self, orders: &[String]) -> String {
+        let difference = self
+            .structure()
+            .map(|own| format!("the difference model {}", own.orders().map(|count| count.to_string()).join(",")));
+        let balance = self.shaft().map(|_| "the torque balance".to_owned());
+        let tracked = (!orders.is_empty()).then(|| format!("the orders {}", orders.join(", ")));
+        difference.into_iter().chain(balance).chain(tracked).collect::<Vec<_>>().join("; ")
+    }
+
+    /// The signals that the detector takes of a recording, by their columns there.
+    #[must_use]
+    pub fn signals<'a>(&'a self, recorded: &'a Channels) -> Vec<(&'a str, Field)> {
+        let named = self.fields.iter().zip(self.channel_names());
+        named.map(|(field, name)| (column(*field, recorded).unwrap_or(name), *field)).collect()
     }
 
     /// Names of the model's channels.

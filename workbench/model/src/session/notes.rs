@@ -70,7 +70,7 @@ impl Notes {
             drive,
             host_block_mean: host.block_mean,
             decimate: host.decimate,
-            orders: trained.recipe.catalogue().orders.unwrap_or_default(),
+            orders: trained.catalogue().orders.unwrap_or_default(),
             features: trained.feature_names.clone(),
             trained_on,
             contents: vec![],

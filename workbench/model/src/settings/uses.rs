@@ -52,6 +52,7 @@ const ESTIMATION: &[&str] = &["method", "nominal", "segment", "memory", "handove
 const CLASSIFIER: &[&str] = &[
     "features",
     "rising",
+    "identify",
     "projection",
     "components",
     "variance",

@@ -53,6 +53,8 @@ pub struct Recipe {
     pub cost: Vec<Vec<f64>>,
     /// Novelty gate, reject option and alarm.
     pub alarms: Alarms,
+    /// Whether the detector also estimates the parameters of the difference model if no feature reads them.
+    pub identify: bool,
 }
 
 impl Recipe {
@@ -79,6 +81,7 @@ impl Recipe {
             priors: vec![],
             cost: vec![],
             alarms: Alarms::default(),
+            identify: false,
         }
     }
 

@@ -7,7 +7,7 @@ use crate::page::{counted, linked, or_reason, paragraph};
 use crate::plot::{self, Event, Panel, Segment, Series};
 use crate::segments::{Judged, Limits, evidence, strips};
 use crate::{Class, Color, Page};
-use model::core::{Embedded, Finding, SegmentReport, Watched};
+use model::core::{Embedded, Field, Finding, SegmentReport, Watched};
 use model::trace::{Channels, Trace, tally};
 
 /// Traces whose starts are marked, and marked with their names; more would cover each other.
@@ -50,7 +50,8 @@ pub fn page(
     let segments: usize = replayed.iter().map(|one| one.segments.len()).sum();
     let counts = [counted(replayed.len(), "trace"), counted(segments, "segment")].join(", ");
     let missing = tally::told(replayed.iter().map(|one| &one.trace)).map_or_else(String::new, |own| format!(" {own}."));
-    let lead = format!("{counts}; classes {}.{missing}", model.classes.join(", "));
+    let estimates = model.estimates(conclusion.orders());
+    let lead = format!("{counts}; classes {}.{missing} The detector estimates {estimates}.", model.classes.join(", "));
     let page = Page::new(title).conclusion(conclusion.words_with_size()).lead(lead);
     let runs = runs::section(model, conclusion);
     let page = if runs.is_empty() { page } else { page.section("Runs", &runs) };
@@ -113,25 +114,17 @@ impl Clock {
 }
 
 fn signals(model: &Embedded, channels: &Channels, replayed: &[Replayed], clock: &Clock) -> Vec<Panel> {
-    let panel = |label: &str, color: usize, pick: &dyn Fn(&Trace) -> &[f64]| {
+    let panel = |(color, (label, field)): (usize, (&str, Field))| {
         let mut points = Vec::new();
         for ((one, start), step) in replayed.iter().zip(&clock.starts).zip(&clock.steps) {
-            points.extend(pick(&one.trace).iter().enumerate().map(|(k, x)| (start + k as f64 * step, *x)));
+            points.extend(field.of(&one.trace).iter().enumerate().map(|(k, x)| (start + k as f64 * step, *x)));
             // A gap between traces.
             points.push((f64::NAN, f64::NAN));
         }
         points.pop();
         Panel::new(label, vec![Series::new(label, Color::of(color), points)])
     };
-    let with_u2 = model.structure().is_none_or(|structure| structure.nc > 0) && channels.u2 != channels.u1;
-    let mut panels = vec![panel(&channels.y, 0, &|trace| &trace.y), panel(&channels.u1, 1, &|trace| &trace.u1)];
-    if with_u2 {
-        panels.push(panel(&channels.u2, 2, &|trace| &trace.u2));
-    }
-    for (k, name) in channels.further.iter().enumerate() {
-        panels.push(panel(name, 3 + k, &move |trace| trace.further.get(k).map_or(&[], Vec::as_slice)));
-    }
-    panels
+    model.signals(channels).into_iter().enumerate().map(panel).collect()
 }
 
 fn posteriors(model: &Embedded, clock: &Clock, replayed: &[Replayed]) -> String {

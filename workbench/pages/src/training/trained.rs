@@ -159,7 +159,7 @@ pub fn scatter(trained: &Trained, seen: &[TraceVerdict], held_out: &[TraceVerdic
 /// The features of the training segments in the order of their runs, then those of the held-out ones.
 #[must_use]
 pub fn over_runs(trained: &Trained, training: &[TraceVerdict], held_out: &[TraceVerdict]) -> String {
-    let catalogue = trained.recipe.catalogue();
+    let catalogue = trained.catalogue();
     let chosen = Chosen { catalogue: &catalogue, names: &trained.feature_names };
     let groups = &trained.recipe.validation.groups;
     let later = vec!["held out".to_owned(); held_out.len()];
@@ -194,7 +194,7 @@ fn coordinates(trained: &Trained, segment: &SegmentReport) -> Option<DVector<f64
     let variance = f64::from(segment.variance.max(f32::MIN_POSITIVE));
     let own = segment.raw.iter().map(|x| f64::from(*x)).chain([variance.ln()]);
     let raw: Vec<f64> = own.chain(segment.shaft_features.iter().map(|x| f64::from(x.value))).collect();
-    let names = trained.recipe.catalogue().names();
+    let names = trained.catalogue().names();
     let chosen = trained.feature_names.iter().filter_map(|name| names.iter().position(|n| n == name));
     let chosen: Vec<f64> = chosen.map(|k| raw[k]).collect();
     Some(trained.projection.apply(&DVector::from_vec(chosen)))

@@ -12,13 +12,13 @@ use crate::train::{
     Coefficient, Dependence, Doubted, Explained, NextToRotor, Remedy, ShaftPlan, Trained, label, next_to_rotor,
 };
 
-/// Returns the estimator's name for `--method`.
+/// The estimator of the difference model as a word for `--method`; `None` if the detector does not estimate it.
 #[must_use]
-pub const fn method_word(method: Method) -> &'static str {
-    match method {
+pub fn method(trained: &Trained) -> Option<&'static str> {
+    trained.identifies().then_some(match trained.recipe.estimation.method {
         Method::LeastSquares => "ls",
         Method::Instruments => "instruments",
-    }
+    })
 }
 
 /// How the detector estimates and decides; the number of bytes of the model file follows.
@@ -36,7 +36,11 @@ pub fn built(trained: &Trained, bytes: usize, place: &str) -> [String; 2] {
 
 /// Describes the estimation method and its memory in words.
 pub(crate) fn estimated_by(trained: &Trained) -> String {
-    let Some((layout, regression)) = &trained.parts.regression else { return "nothing".into() };
+    let Some((layout, regression)) = trained.parts.regression.as_ref().filter(|_| trained.identifies()) else {
+        let orders = trained.recipe.shaft.as_ref().map(ShaftPlan::names).unwrap_or_default();
+        let of_orders = if orders.is_empty() { String::new() } else { format!("; orders {}", orders.join(", ")) };
+        return format!("the torque balance{of_orders}; no feature reads the difference model");
+    };
     let nominal = &trained.classes[trained.recipe.estimation.nominal];
     let method = match layout.method {
         Method::LeastSquares => "least squares".to_string(),
@@ -65,10 +69,13 @@ pub fn lines(trained: &Trained, channels: &Channels, host: Preparation) -> Vec<S
     };
     fed += &if step_s > 0.0 { format!(", one every {step_s} s.") } else { ".".into() };
     let Channels { y, u1, u2, shaft, .. } = channels;
-    let has_second = trained.recipe.structure.nc > 0;
-    let inputs = if has_second { format!("y = {y}, u1 = {u1}, u2 = {u2}") } else { format!("y = {y}, u1 = {u1}") };
+    let inputs = match (trained.identifies(), trained.recipe.structure.nc > 0) {
+        (true, true) => format!("y = {y}, u1 = {u1}, u2 = {u2}; "),
+        (true, false) => format!("y = {y}, u1 = {u1}; "),
+        (false, _) => String::new(),
+    };
     let mut lines = vec![
-        format!("{inputs}; classes {}.", trained.classes.join(", ")),
+        format!("{inputs}classes {}.", trained.classes.join(", ")),
         format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
         format!("Estimated by {}.", estimated_by(trained)),
         fed,

@@ -26,7 +26,7 @@ const NEAR: f64 = 0.05;
 /// for least squares on separate segments: batch least squares computes the same estimate.
 pub(crate) fn doubt(trained: &Trained, traces: &[LabelledTrace]) -> Option<String> {
     let recipe = &trained.recipe;
-    if !recipe.estimation.is_batch() {
+    if !recipe.estimation.is_batch() || !trained.identifies() {
         return None;
     }
     let core = Embedded::new(trained.to_core().ok()?).ok()?;
@@ -93,7 +93,7 @@ pub(crate) fn agree(trained: &Trained, traces: &[LabelledTrace]) -> Result<(), E
 
 /// The feature whose mean differs most between the core's healthy segments and those of training, in words.
 fn most_different(trained: &Trained, healthy: usize, judged: &[&SegmentReport]) -> String {
-    let catalogue = trained.recipe.catalogue();
+    let catalogue = trained.catalogue();
     let names = catalogue.names();
     let each = |(k, name): (usize, &String)| {
         let place = names.iter().position(|own| own == name)?;

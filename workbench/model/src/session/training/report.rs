@@ -3,7 +3,7 @@
 use bearing_watch::plan::Method;
 use serde_json::{Map, Value, json};
 
-use super::description::{self, method_word};
+use super::description;
 use super::evidence;
 use super::held_out::{Found, HeldOut};
 use super::result::Training;
@@ -29,10 +29,10 @@ pub fn to_json(own: &Training, found: &Found) -> Map<String, Value> {
         "missing_samples": own.missing().sum().to_json(),
         "features": trained.feature_names,
         "automatic": trained.automatic.as_ref().map(Automatic::to_json),
-        "method": method_word(trained.recipe.estimation.method),
-        "settle_samples": trained.parts.regression.as_ref().and_then(|(layout, regression)| {
-            (layout.method == Method::Instruments).then_some(regression.settle)
-        }),
+        "method": description::method(trained),
+        "settle_samples": trained.parts.regression.as_ref().filter(|_| trained.identifies()).and_then(
+            |(layout, regression)| (layout.method == Method::Instruments).then_some(regression.settle)
+        ),
         "segment_samples": trained.segment_samples,
         "covariates": description::covariates_to_json(trained),
         "shrinkage": trained.choice.as_ref().map(Choice::to_json),

@@ -116,5 +116,9 @@ pub fn read_by(trained: &Trained, mut channels: Channels) -> Channels {
             shaft.velocity = None;
         }
     }
+    if !trained.identifies() {
+        // The output remains: by its numbers recordings are known again.
+        (channels.u1, channels.u2) = (channels.y.clone(), channels.y.clone());
+    }
     channels
 }

@@ -29,6 +29,7 @@ impl Settings {
             automatic,
             features: model.features.clone(),
             rising: model.rising.clone(),
+            identify: model.identify,
             projection: model.projection()?,
             discriminant,
             shrink,

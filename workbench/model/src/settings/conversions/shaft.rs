@@ -1,6 +1,7 @@
 //! From the settings to the channels and the plan of the shaft.
 
 use crate::Error;
+use crate::core::features;
 use crate::settings::sections::bearing::{Bearing, SLIP};
 use crate::settings::sections::choices::VelocityFrom;
 use crate::settings::sections::geometry::Dimensions;
@@ -47,13 +48,22 @@ impl Settings {
     }
 
     /// Returns the plan of a training: where it chooses the features, only the races of the bearing are tracked, and
-    /// the orders that are named. The filter that shows the lower orders of ball and cage too hides small pulses.
+    /// the orders that are named. The filter that shows the lower orders of ball and cage too hides small pulses. Where
+    /// the features are given, the orders of a bearing are tracked that they read.
     pub(crate) fn watched(&self, mut plan: ShaftPlan) -> ShaftPlan {
         let named = |name: &str| {
             self.bearing.orders.iter().any(|item| item.split('=').next().is_some_and(|own| own.trim() == name))
         };
         if self.chooses_features() && !self.bearing.bearing.is_empty() {
             plan.orders.retain(|(name, _)| !["ball", "cage"].contains(&name.as_str()) || named(name));
+        }
+        let is_read = |name: &str| {
+            let asked = self.model.features.iter().chain(&self.model.covariates);
+            asked.into_iter().any(|feature| feature == "orders" || features::order(feature) == Some(name))
+        };
+        // Without an order among the features the angle is still checked by them.
+        if !self.model.identify && plan.orders.iter().any(|(name, _)| is_read(name)) {
+            plan.orders.retain(|(name, _)| is_read(name) || named(name));
         }
         plan
     }

@@ -92,6 +92,10 @@ pub struct Model {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAMES")))]
     pub rising: Vec<String>,
+    /// Let the detector also estimate what no feature reads, for reports and telemetry: the parameters of the difference
+    /// model, and each order of the bearing
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub identify: bool,
     /// Projection of the features
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = Projection::default())))]
@@ -137,6 +141,7 @@ merges!(Model {
     features,
     covariates,
     rising,
+    identify,
     projection,
     components,
     variance,

@@ -8,6 +8,7 @@ use bearing_watch::plan::{Kind, Layout, RunTime};
 use nalgebra::{DMatrix, DVector};
 
 use super::label::{alike, label};
+use super::read::Read;
 use crate::Error;
 use crate::core::features::Catalogue;
 use crate::core::{Embedded, plan};
@@ -21,18 +22,19 @@ impl Trained {
     /// # Errors
     /// A value that does not fit a model or is outside the range of single precision.
     pub fn to_core(&self) -> Result<Model<RunTime>, Error> {
+        let Read { parts, features, covariates: explaining, .. } = self.read();
         let densities = &self.densities;
         let sizes = [
-            count(self.core_features.len(), "features")?,
+            count(features.len(), "features")?,
             count(self.core_projection.matrix.nrows(), "coordinates")?,
             count(self.classes.len(), "classes")?,
         ];
-        let covariates = count(self.core_covariates.list.len(), "covariates")?;
+        let covariates = count(explaining.list.len(), "covariates")?;
         let rises = self.watch.gate.as_ref().and_then(|gate| gate.rising.as_ref());
         let rising = count(rises.map_or(0, |rising| rising.laws.len()), "rising coordinates")?;
         let watched = self.watch.directions.as_ref().map_or(0, |directions| directions.list.len());
         let directions = count(watched, "directions")?;
-        let layout = Layout { covariates, rising, directions, ..self.parts.layout(sizes, densities.kind) };
+        let layout = Layout { covariates, rising, directions, ..parts.layout(sizes, densities.kind) };
         let plan = plan(layout).map_err(refused)?;
         if let Some([one, other]) = alike(&self.classes) {
             let problem = format!("the classes {one} and {other} have one name in the model; rename one of them");
@@ -44,8 +46,8 @@ impl Trained {
         };
         let log_prior: Vec<f64> = densities.priors.iter().map(|p| p.ln()).collect();
         let classifier = Classifier {
-            features: self.core_features.clone(),
-            covariates: self.core_covariates.clone(),
+            features,
+            covariates: explaining,
             projection: Projection {
                 matrix: rows(&self.core_projection.matrix),
                 mean: narrow(self.core_projection.mean.as_slice()),
@@ -62,7 +64,6 @@ impl Trained {
         };
         let labels = self.classes.iter().map(label).collect::<Result<_, _>>()?;
         let sampling = self.sampling()?;
-        let parts = self.sight.parts(&self.parts);
         parts.model(plan, sampling, classifier, self.watch.evidence, labels).map_err(refused)
     }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod core_form;
 pub mod label;
+mod read;
 pub(crate) mod sizes;
 pub(crate) mod trained;
 

@@ -41,7 +41,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     );
     out.line(0, "#[allow(dead_code)]");
     out.line(0, "#[rustfmt::skip]");
-    let names = coordinates::of_model(&model, &trained.recipe.catalogue().orders.unwrap_or_default());
+    let names = coordinates::of_model(&model, &trained.catalogue().orders.unwrap_or_default());
     let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
     out.line(0, &format!("pub const COORDINATES: [&str; {}] = [{}];", names.len(), names.join(", ")));
     out.line(0, "");

@@ -267,7 +267,7 @@ impl<'a> Bench<'a> {
 
     fn observed(&self, segment: &SegmentReport, band: f64) -> Observed {
         let Trained { feature_names, projection, raw, .. } = &self.trained;
-        let names = self.trained.recipe.catalogue().shaft();
+        let names = self.trained.catalogue().shaft();
         let place = |name: &String| names.iter().position(|(feature, _)| feature == name);
         let of = |name: &String| place(name).and_then(|k| segment.shaft_features.get(k));
         let value = |name: &String| of(name).map_or(0.0, |feature| f64::from(feature.value));
