@@ -51,7 +51,7 @@ fn run() {
     let records = records.map(sample_of_squares);
     detector(counter, "LS detector", 8, &squares::MODEL, &records);
     watched(counter, "LS and shaft, 4 orders of 3 harmonics", 4, &shaft::MODEL);
-    watched(counter, "shaft alone, 1 order without load", 1, &shaft::LOADLESS);
+    watched(counter, "shaft alone, 2 orders of 3 harmonics", 2, &shaft::CHOSEN);
     runs(counter);
     decimation::measure(counter, |name, factor, instructions, bytes| {
         report(name, factor, instructions, bytes);

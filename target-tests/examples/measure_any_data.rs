@@ -43,8 +43,8 @@ fn run() {
     let motions: [shaft::Motion; GOOD as usize] = core::array::from_fn(|_| plant.motion());
     let name = "LS and shaft, 4 orders of 3 harmonics";
     detector(counter, name, 4, &shaft::MODEL, &motions.map(shaft::Sample::from));
-    let name = "shaft alone, 1 order without load";
-    detector(counter, name, 1, &shaft::LOADLESS, &motions.map(shaft::LoadlessSample::from));
+    let name = "shaft alone, 2 orders of 3 harmonics";
+    detector(counter, name, 2, &shaft::CHOSEN, &motions.map(shaft::ChosenSample::from));
     front_end::<2, 8>(counter, Sensors::Resolver, "resolver, 3 currents, 2 further");
     front_end::<0, 8>(counter, Sensors::Converter, "converter, 2 currents");
     front_end::<0, 10>(counter, Sensors::Converter, "converter, 2 currents");

@@ -44,6 +44,7 @@ fn run() {
     depths("stack, SRIV detector", &refined::MODEL, || plant.sample());
     let mut plant = shaft::Plant::new(16);
     depths("stack, detector with shaft of 4 orders", &shaft::MODEL, || plant.motion().into());
+    depths("stack, shaft alone of 2 orders", &shaft::CHOSEN, || plant.motion().into());
 }
 
 /// Prints bytes of a sample inside a segment, and of the one that ends it; by `exchange`, of a whole solve, and of a

@@ -46,6 +46,31 @@ bearing_watch::plan! {
 }
 
 bearing_watch::plan! {
+    /// What `train` chooses for a drive with a load sensor: friction, and the orders of both races; no regression.
+    pub struct Chosen;
+    /// One sample of the drive.
+    pub struct ChosenSample with angle {
+        current_a: "A", velocity_rad_s: "rad/s", load_nm: "N·m",
+    }
+    layout: Layout {
+        shaft: Some(ShaftLayout {
+            current: current_a,
+            velocity: Some(velocity_rad_s),
+            load: Some(load_nm),
+            orders: 2,
+            harmonics: 3,
+            decimation: 2,
+        }),
+        features: 9,
+        coordinates: 3,
+        rising: 1,
+        classes: 3,
+        discriminant: Kind::Quadratic,
+        ..Layout::EMPTY
+    }
+}
+
+bearing_watch::plan! {
     /// One bearing order of one harmonic, and friction without a measured load; no regression.
     pub struct Loadless;
     /// One sample of the drive.
@@ -115,6 +140,11 @@ pub const ORDERS: [TrackedOrder; 4] = [
     TrackedOrder::new(0.413_1, [1.0; 3]),
 ];
 
+const RACES: [TrackedOrder; 2] = {
+    let [outer, inner, ..] = ORDERS;
+    [outer, inner]
+};
+
 /// Cells of half a turn: the motion turns to and fro by two turns.
 pub const BLOCKS: Blocks = Blocks {
     controls: [q16(2.37), q16(3.33), q16(4.55), q16(6.45)],
@@ -155,6 +185,39 @@ pub static MODEL: Model<Watched> = match Watched::model(Constants {
             Feature::OrderScore(0),
             Feature::OrderScore(1),
             Feature::LogOrderAmplitude(0),
+        ],
+        Some(0),
+        LAW,
+        [LAW; 2]
+    ),
+    evidence: EvidenceConstants::NONE,
+    labels: LABELS,
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};
+
+/// The model of a drive with a load sensor, as `train` writes it.
+pub static CHOSEN: Model<Chosen> = match Chosen::model(Constants {
+    sampling: SAMPLING,
+    channels: [CURRENT, VELOCITY, LOAD],
+    regression: [],
+    shaft: [ShaftConstants {
+        lags: Lags { current: 0.7, velocity: 0.0, load: 0.0 },
+        balance: HALVED,
+        tracking: Tracking { orders: RACES, blocks: BLOCKS },
+    }],
+    classifier: classifier!(
+        [
+            Feature::Friction(FrictionTerm::Inertia),
+            Feature::Friction(FrictionTerm::Viscous),
+            Feature::Friction(FrictionTerm::Coulomb),
+            Feature::FrictionScore(FrictionTerm::Viscous),
+            Feature::FrictionScore(FrictionTerm::Offset),
+            Feature::FrictionScore(FrictionTerm::Drag),
+            Feature::LogFrictionVariance,
+            Feature::OrderScore(0),
+            Feature::OrderScore(1),
         ],
         Some(0),
         LAW,
@@ -214,6 +277,13 @@ impl From<Motion> for Sample {
     fn from(motion: Motion) -> Self {
         let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = motion;
         Self { current_a, velocity_ref_rad_s: reference_rad_s, load_nm, velocity_rad_s, angle }
+    }
+}
+
+impl From<Motion> for ChosenSample {
+    fn from(motion: Motion) -> Self {
+        let Motion { current_a, velocity_rad_s, load_nm, angle, .. } = motion;
+        Self { current_a, velocity_rad_s, load_nm, angle }
     }
 }
 

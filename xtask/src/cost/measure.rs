@@ -22,10 +22,11 @@ pub const ANY_DATA: &str = ", any data";
 const SMALLEST: &str = "footprint_none";
 
 /// What programs add to the flash of others: a name, its size, the example, and the one that it is compared with.
-const FOOTPRINTS: [(&str, Option<u64>, &str, &str); 8] = [
+const FOOTPRINTS: [(&str, Option<u64>, &str, &str); 9] = [
     ("the whole detector, LS", Some(8), "footprint_squares", SMALLEST),
     ("the whole detector, SRIV", Some(8), "footprint_refined", SMALLEST),
     ("the whole detector, LS and shaft", Some(8), "footprint_shaft", SMALLEST),
+    ("the whole detector, shaft alone", None, "footprint_chosen", SMALLEST),
     ("the evidence of runs, its reason and its growth", Some(5), "footprint_evidence", "footprint_decided"),
     ("an arctangent, micromath, for a resolver's start", None, "footprint_coarse", SMALLEST),
     ("an arctangent, libm", None, "footprint_atan2", SMALLEST),
