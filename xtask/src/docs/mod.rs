@@ -54,7 +54,7 @@ const SOURCES: [Source; 25] = [
     ("target", "book/src/target.md", Figures),
     ("demo", "book/src/introduction.md", Tests("system", "standard_rig::twenty_draws")),
     ("instruments", "book/src/mathematics.md", Tests("system", "instruments_model::noise_in_the_field")),
-    ("faults", "book/src/faults.md", Tests("core", "fault_table::faults_of_signals")),
+    ("faults", "book/src/faults.md", Tests("core", "faults::table::faults_of_signals")),
     ("campaign", "docs/campaign.md", Study("campaign", "")),
     ("field", "docs/field.md", Study(
         "campaign --field --draws 2 --report target/field.html",

@@ -10,10 +10,10 @@ use bearing_watch::drive::{FrontEnd, FrontEndConstants, Lock};
 use bearing_watch::{Evidence, FrictionTerm, Monitor, Report, Verdict};
 use host_tests::halves::Interrupt;
 
-use super::drive_faults::actuator::{Drive, FURTHER, MODEL, Sample};
-use super::drive_faults::{FAULTS, Inject, ROWS, Raw, ZERO, constants, counts, raw, scattered, trace};
+use crate::faults::electronics::actuator::{Drive, FURTHER, MODEL, Sample};
+use crate::faults::electronics::{FAULTS, Inject, ROWS, Raw, ZERO, constants, counts, raw, scattered, trace};
 
-#[path = "../../../attack/src/finite.rs"]
+#[path = "../../../../attack/src/finite.rs"]
 mod finite;
 
 /// Parts into which the samples are divided.

@@ -6,8 +6,8 @@ use bearing_watch::{Evidence, Model};
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
 use host_tests::flash::Flash;
 
+use super::saved::evidence_after;
 use crate::exported::{Drive, MODEL};
-use crate::saved::evidence_after;
 
 const DRIVE: Label = Label::constant("standard rig");
 /// Number of power cuts of the long test.

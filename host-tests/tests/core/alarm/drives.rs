@@ -20,7 +20,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use crate::novelty::{core, plan};
+use super::novelty::{core, plan};
 
 const COORDINATES: usize = 2;
 /// Parts of the variance.

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use crate::exported::{Drive, MODEL, Sample};
 
-static FILE: &[u8] = include_bytes!("../../../examples/support/standard_rig/model.bwm");
+static FILE: &[u8] = include_bytes!("../../../../examples/support/standard_rig/model.bwm");
 
 /// Reads the bytes as a drive does.
 fn read(bytes: &[u8]) -> Result<Model<Drive>, ModelError> {

@@ -7,9 +7,9 @@ use host_tests::documents;
 use model::trace::front_end::words;
 use rig::DefectKind;
 
-use super::drive_faults::scattered;
-use super::rig::{Motion, lag, model as of_velocity, model_of_angle, motions, run, trace};
-use super::silent_faults::{Fault as RawFault, drives};
+use super::electronics::scattered;
+use super::rigs::{Fault as RawFault, drives};
+use crate::shaft::dc_motor::{Motion, lag, model as of_velocity, model_of_angle, motions, run, trace};
 
 /// A fault of a recorded stream, row by row.
 type Fault = fn(&[Motion]) -> Vec<Motion>;

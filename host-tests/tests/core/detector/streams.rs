@@ -2,20 +2,12 @@
 
 use bearing_watch::{Detector, Model, Part, Reason, Verdict};
 use proptest::prelude::*;
-use rig::{Defect, DefectKind, Scenario, simulate};
 
 use crate::exported::{Drive, MODEL, Sample};
 
-/// A spalled trace, with seeds far from those of the exported model's training.
+/// A spalled trace.
 fn recording() -> Vec<Sample> {
-    let trace = simulate(&Scenario::STANDARD.with_defect(Defect::full(DefectKind::Spall)), 77_777).expect("simulates");
-    let rows = trace.current_a.iter().zip(&trace.velocity_ref_rad_s).zip(&trace.load_torque_nm);
-    let sample = |((y, u1), u2): ((&f64, &f64), &f64)| Sample {
-        current_a: *y as f32,
-        velocity_ref_rad_s: *u1 as f32,
-        load_torque_nm: *u2 as f32,
-    };
-    rows.map(sample).collect()
+    super::parts::recording().iter().map(super::parts::signals).collect()
 }
 
 fn spall() -> Verdict {
@@ -83,17 +75,6 @@ fn bursts_of_nonsense_cost_their_rows_and_nothing_else() {
             assert!((got - want).abs() < 0.3 * sd, "{nonsense}: parameter {k}");
         }
     }
-}
-
-#[test]
-fn a_segment_that_was_mostly_rejected_has_no_verdict() {
-    let mut samples = recording();
-    samples.iter_mut().take(2600).for_each(|s| s.current_a = f32::NAN);
-    let mut monitor = Detector::new(&MODEL);
-    let report = samples.iter().filter_map(|s| monitor.step(s)).next().expect("a full segment");
-    let short = Reason::ShortSegment { rows: 2398 };
-    assert_eq!((report.verdict, report.counts.rejected), (Verdict::Undetermined(short), 2600));
-    assert_eq!(report.decision, None);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use bearing_watch::{Angle, Detector, Evidence, Implausible, Model, Monitor, Reas
 use host_tests::halves::{Interrupt, conclude};
 use rig::DefectKind;
 
-use crate::rig::{Motion, lag, model, model_of_angle, motions, run, trace};
+use crate::shaft::dc_motor::{Motion, lag, model, model_of_angle, motions, run, trace};
 
 const SEGMENT: u32 = 5000;
 
@@ -16,7 +16,7 @@ fn recorded(change: impl Fn(&mut Motion)) -> Vec<Motion> {
     all
 }
 
-fn refusal(report: &Report<RunTime>) -> Option<Implausible> {
+pub fn refusal(report: &Report<RunTime>) -> Option<Implausible> {
     match report.verdict {
         Verdict::Undetermined(Reason::Implausible(error)) => Some(error),
         _ => None,
@@ -123,61 +123,9 @@ fn the_velocity_must_be_that_of_the_angle() {
 }
 
 /// Two models: velocity and angle of their own, and the velocity of the angle.
-fn both_models() -> [(&'static str, Model<RunTime>); 2] {
+pub fn both_models() -> [(&'static str, Model<RunTime>); 2] {
     let lags = bearing_watch::model::Lags { current: 1.2, velocity: 0.5, load: 0.5 };
     [("own velocity", model(lag(0.7), true, 6000)), ("velocity of the angle", model_of_angle(lags, 6000))]
-}
-
-#[test]
-fn a_stuck_angle_is_named_and_a_shaft_at_rest_is_not() {
-    for kind in [DefectKind::Healthy, DefectKind::Spall] {
-        let motions = motions(&trace(kind, 77), 14);
-        for (name, model) in both_models() {
-            let stuck_from = |row: usize| {
-                let angle = motions[row].angle;
-                let stuck = |(k, motion): (usize, &Motion)| Motion {
-                    angle: if k < row { motion.angle } else { angle },
-                    ..*motion
-                };
-                refusal(&run(&model, &motions.iter().enumerate().map(stuck).collect::<Vec<_>>()))
-            };
-            assert_eq!(stuck_from(0), Some(Implausible::StuckAngle), "{name}, {kind:?}");
-            if name == "own velocity" {
-                assert_eq!(stuck_from(2500), Some(Implausible::StuckAngle), "{name}, {kind:?}");
-            }
-            // A drive that rests: noise of the sensors, whatever it holds.
-            for (k, hold_a) in [0.0, 3.0].into_iter().enumerate() {
-                let noise = |k: usize| (k as f32 * 1.7).sin();
-                let rest = |k: usize| Motion {
-                    current_a: hold_a + 0.02 * noise(k),
-                    velocity_rad_s: 0.3 * noise(k + 5),
-                    load_nm: hold_a / 20.0,
-                    ..Motion::default()
-                };
-                let report = run(&model, &(0..5000).map(rest).collect::<Vec<_>>());
-                assert_ne!(refusal(&report), Some(Implausible::StuckAngle), "{name}, {k}");
-            }
-        }
-    }
-}
-
-#[test]
-fn rows_that_are_lost_without_numbers_are_named_or_counted() {
-    for kind in [DefectKind::Healthy, DefectKind::Spall] {
-        let motions = motions(&trace(kind, 77), 14);
-        for (name, model) in both_models() {
-            let lossy = |a_thousand: u32| {
-                let kept = |(k, _): &(usize, &Motion)| super::drive_faults::scattered(*k as u32) % 1000 >= a_thousand;
-                run(&model, &motions.iter().enumerate().filter(kept).map(|(_, motion)| *motion).collect::<Vec<_>>())
-            };
-            let reports = [0, 1, 10, 100].map(lossy);
-            let found: Vec<_> = reports.iter().map(|own| (refusal(own), own.counts.rejected)).collect();
-            println!("{name}, {kind:?}: {found:?}");
-            assert_eq!(found[0], (None, 0), "{name}, {kind:?}");
-            assert!(found[1].1 > 0, "{name}, {kind:?}: {found:?}");
-            assert_eq!([found[2].0, found[3].0], [Some(Implausible::AngleSteps); 2], "{name}, {kind:?}");
-        }
-    }
 }
 
 #[test]

@@ -7,13 +7,15 @@ use bearing_watch::{FrictionTerm, Model};
 use rig::field::{Field, FieldValues, Slip};
 use rig::{BearingGeometry, Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 
+pub mod dc_motor;
 mod oracle;
 mod orders;
+pub mod streams;
 
-use crate::rig::{Motion, halved, lag, model, model_of_angle, motions, parameters, run, trace};
+use crate::shaft::dc_motor::{Motion, halved, lag, model, model_of_angle, motions, parameters, run, trace};
 
 /// More samples than any of the streams has.
-const OPEN: u32 = 100_000;
+pub const OPEN: u32 = 100_000;
 
 /// Friction: f32 sums of a thousand rows keep 0.02 of a deviation. Orders: sines are exact to 2e-5 and parameters of the
 /// residual to 0.02 deviations, which is a thousandth of the noise's phasors.
@@ -114,7 +116,7 @@ fn nominal_parameters_and_the_high_pass_are_those_of_the_oracle() {
 }
 
 /// The motions with the mean velocity since the last sample that is not lost.
-fn differenced(mut motions: Vec<Motion>) -> Vec<Motion> {
+pub fn differenced(mut motions: Vec<Motion>) -> Vec<Motion> {
     let (mut last, mut held): (Option<(usize, bearing_watch::Angle)>, f64) = (None, 0.0);
     for (k, motion) in motions.iter_mut().enumerate().filter(|(_, motion)| motion.current_a.is_finite()) {
         if let Some((from, angle)) = last.replace((k, motion.angle)) {
@@ -136,28 +138,6 @@ fn a_velocity_of_the_angle_is_that_of_its_differences() {
         let motions = differenced(motions(&trace(kind, 31), bits));
         compare(&model_of_angle(lags, OPEN), &motions, "the angle's velocity");
     }
-}
-
-#[test]
-fn lost_samples_cost_the_velocity_of_the_angle_one_sample_more() {
-    let lags = Lags { velocity: 0.5, ..lag(1.2) };
-    let mut lossy = motions(&trace(DefectKind::Spall, 32), 14);
-    for lost in [1000, 1001, 2000, 3500] {
-        lossy[lost].current_a = f32::NAN;
-    }
-    let lossy = differenced(lossy);
-    let [of_angle, of_channel] = [model_of_angle(lags, OPEN), model(lags, true, OPEN)].map(|model| run(&model, &lossy));
-    let (angle, channel) = (of_angle.shaft().expect("watched"), of_channel.shaft().expect("watched"));
-    // Three gaps.
-    let samples = (channel.usable - angle.usable) * lossy.len() as f32;
-    assert!((samples - 3.0).abs() < 0.01, "{samples}");
-    for (own, other) in parameters(&angle.friction).iter().zip(parameters(&channel.friction)) {
-        // A row more or less a gap.
-        assert!((own.value - other.value).abs() < 0.1 * other.deviation, "{own:?} {other:?}");
-    }
-    let [own, other] = [angle, channel].map(|shaft| shaft.orders()[0]);
-    // A score is at most 1/√b, with a spall that reaches the control orders about 12.
-    assert!(own.score > 9.0 && (own.score / other.score - 1.0).abs() < 0.02, "{own:?} {other:?}");
 }
 
 /// A shaft that stops for good while, and comes back the other way: the sine reverses by itself.

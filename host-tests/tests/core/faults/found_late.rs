@@ -6,7 +6,7 @@ use model::core::{Embedded, SegmentReport};
 use model::trace::{MotionTrace, Trace};
 use rig::DefectKind;
 
-use super::rig::{Motion, lag, model, motions, trace};
+use crate::shaft::dc_motor::{Motion, lag, model, motions, trace};
 
 const SEGMENT: usize = 1000;
 

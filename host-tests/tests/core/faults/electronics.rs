@@ -9,7 +9,7 @@ use rig::ema::{EmaScenario, EmaTrace, simulate};
 /// Written by `bearing-watch train --front-end … --rust`.
 #[allow(dead_code, reason = "the position is made here")]
 pub mod actuator {
-    include!("../../../examples/support/actuator/model.rs");
+    include!("../../../../examples/support/actuator/model.rs");
 }
 use actuator::{FRONT_END, FURTHER, position};
 

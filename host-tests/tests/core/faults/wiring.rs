@@ -10,7 +10,7 @@ use bearing_watch::drive::{
 };
 use rig::ema::{EmaScenario, EmaTrace, Logging, simulate};
 
-use super::drive_faults::actuator::FRONT_END;
+use super::electronics::actuator::FRONT_END;
 
 /// Control rate of the actuator.
 const RATE_HZ: f32 = 12_000.0;

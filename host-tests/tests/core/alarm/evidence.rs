@@ -7,7 +7,7 @@ use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::novelty::{core, gate_of, plan};
+use super::novelty::{core, gate_of, plan};
 use host_tests::plans::constants;
 
 const CLASSES: usize = 3;
