@@ -70,7 +70,7 @@ const SOURCES: [Source; 25] = [
     ("tables", "docs/tables.md", Study(
         "tables --report target/park.html", "Figure 5.35: a healthy record with four angles of the Park transform",
     )),
-    ("recorded", "docs/recorded.md", Tests("system", "recorded_")),
+    ("recorded", "docs/recorded.md", Tests("system", "recorded::")),
     ("endurance", "docs/endurance.md", Endurance),
     ("peers", "docs/peers.md", Script("peers/peers.sh")),
     ("reading", "docs/peers.md", Script("peers/reading.sh")),

@@ -1,9 +1,9 @@
 //! Hours between false alarms of the core's alarm by directions, where offsets of runs last, and where drives scatter
 //! unequally. Values of records are drawn from the law; the constants of the directions are those of training.
 
-#[path = "../../../target-tests/examples/support/directed.rs"]
+#[path = "../../../../target-tests/examples/support/directed.rs"]
 mod directed;
-#[path = "../../../target-tests/examples/support/law.rs"]
+#[path = "../../../../target-tests/examples/support/law.rs"]
 mod law;
 
 use bearing_watch::model::{Direction, EvidenceConstants, FeatureValue};

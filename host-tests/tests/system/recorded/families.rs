@@ -6,6 +6,9 @@
 //! cross-validation among the training runs alone, a run at a time. The two levels of a fault may lie on either side of
 //! normal (the cruise current falls with backlash 1 and rises with backlash 2), so a class is a level, and costs make
 //! the core decide between families.
+//!
+//! Of two classes, normal strokes are told from those with poor lubrication or heavy backlash of *later runs* at the same
+//! load. The spalling figures printed beside them are the floor that recording sessions alone reach.
 
 use bearing_watch::plan::Kind;
 use host_tests::documents;
@@ -282,4 +285,40 @@ fn block_means_hide_the_acquisition_set_up() {
     println!("the set-up told by the sign: {:.1} % at full rate, {:.1} % of block means", balanced[0], balanced[1]);
     // Always told at full rate; of block means about two in three, which lubrication itself may bring about.
     assert!(balanced[0] > 99.0 && (50.0..75.0).contains(&balanced[1]), "{balanced:?}");
+}
+
+/// Normal against one other class: trained on runs 1–4, tested on runs 5–7 by the core in single precision.
+fn against_normal(strokes: &[Stroke], other: &str, kind: Kind) -> Confusion {
+    let classes = ["normal".to_string(), other.to_string()];
+    let class = |state: &str| classes.iter().position(|name| name == state);
+    let structure = Structure::new(1, 1, 1, 1, 1).with_offset();
+    let features = ["a", "b", "c", "offset", "log_variance"].map(String::from).to_vec();
+    let recipe = Recipe { features, discriminant: kind, ..Recipe::new(structure) };
+    let (training, held_out): (Vec<&Stroke>, Vec<&Stroke>) = strokes.iter().partition(|s| s.run <= 4);
+    assert!(held_out.iter().all(|t| training.iter().all(|s| s.trace.id != t.trace.id)), "leakage");
+    let trained = detector(&training, &classes, class, &recipe).expect("regular classes");
+    evaluate::count(&classes, &judge(&trained, &held_out, class), None, false)
+}
+
+#[test]
+fn lubrication_and_backlash_are_told_from_normal() {
+    for load in ["20", "40"] {
+        let Some(strokes) = strokes(load) else { return };
+        for fault in ["lackLubrication1", "lackLubrication2", "backlash2"] {
+            let confusion = against_normal(&strokes, fault, Kind::Quadratic);
+            println!("{load} kgf, normal against {fault}: {}", confusion.balanced_accuracy());
+            assert_eq!(confusion.total(), 30);
+            // 96.6 % is one wrong stroke of thirty, which a plain double-precision prototype also keeps to.
+            assert!(confusion.wrong() <= 1, "{load} kgf\n{confusion}");
+        }
+        // The paper calls these undetectable; what is found is drift between sessions. Printed as the floor, and held
+        // only to not being perfect throughout, which would mean that something other than the fault is read.
+        let mut perfect = 0;
+        for level in 1..=5 {
+            let confusion = against_normal(&strokes, &format!("spalling{level}"), Kind::Quadratic);
+            println!("{load} kgf, session drift (spalling{level}): {}", confusion.balanced_accuracy());
+            perfect += usize::from(confusion.wrong() == 0);
+        }
+        assert!(perfect < 5, "every negative control is told without error");
+    }
 }
