@@ -20,7 +20,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::novelty::{core, plan};
+use super::novelty::{beyond, core, plan};
 
 const COORDINATES: usize = 2;
 /// Parts of the variance.
@@ -54,18 +54,15 @@ fn training(
 
 /// Rate of novel segments in sessions of a drive, at 1e-2 and 1e-3.
 fn rates(gate: &Gate, drive: &DVector<f64>, (sessions, segments): (usize, usize), random: &mut ChaCha8Rng) -> [f64; 2] {
-    let (novelty, mut counts) = (core(gate), [0_usize; 2]);
+    let (novelty, mut surprises) = (core(gate), vec![]);
     for _ in 0..sessions {
         let mean = drive + normal(OF_SESSION, random);
         for _ in 0..segments {
             let z = (&mean + normal(1.0 - OF_DRIVE - OF_SESSION, random)).map(|x| x as f32);
-            let surprise = novelty.judge(z.as_slice(), &[]).surprise;
-            for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
-                *count += usize::from(surprise >= -rate.ln());
-            }
+            surprises.push(novelty.judge(z.as_slice(), &[]).surprise);
         }
     }
-    counts.map(|count| count as f64 / (sessions * segments) as f64)
+    beyond(surprises.into_iter())
 }
 
 /// Mean and standard error over draws.

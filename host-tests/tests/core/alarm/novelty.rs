@@ -58,15 +58,16 @@ pub(super) fn core(gate: &Gate) -> Novelty<RunTime> {
     }
 }
 
-/// Rates at which the surprises of `TESTS` rows reach the limits of the set rates.
-fn beyond(surprises: impl Iterator<Item = f32>) -> [f64; 2] {
-    let mut counts = [0_usize; 2];
+/// Rates at which surprises reach the limits of the set rates, 1e-2 and 1e-3.
+pub(super) fn beyond(surprises: impl Iterator<Item = f32>) -> [f64; 2] {
+    let (mut counts, mut all) = ([0_usize; 2], 0_usize);
     for surprise in surprises {
+        all += 1;
         for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
             *count += usize::from(surprise >= -rate.ln());
         }
     }
-    counts.map(|count| count as f64 / TESTS as f64)
+    counts.map(|count| count as f64 / all as f64)
 }
 
 /// True rates of single gates at the set rates, over training draws.

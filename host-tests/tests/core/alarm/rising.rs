@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::novelty::core;
+use super::novelty::{beyond, core};
 
 const Z: usize = 5;
 const HEALTHY: usize = 150;
@@ -41,16 +41,11 @@ fn novel(
     let one = |draw: u64| {
         let mut random = ChaCha8Rng::seed_from_u64(81_000 + 1000 * rising as u64 + draw);
         let novelty = core(&gate(rising, healthy, degrees, &mut random));
-        let mut counts = [0; 2];
-        for _ in 0..TESTS {
+        beyond((0..TESTS).map(|_| {
             let mut z = row(degrees, &mut random);
             z[place] += shift;
-            let surprise = novelty.judge(z.map(|x| x as f32).as_slice(), &[]).surprise;
-            for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
-                *count += usize::from(surprise >= -rate.ln());
-            }
-        }
-        counts.map(|count| count as f64 / TESTS as f64)
+            novelty.judge(z.map(|x| x as f32).as_slice(), &[]).surprise
+        }))
     };
     let all: Vec<[f64; 2]> = (0..draws).into_par_iter().map(one).collect();
     [0, 1].map(|k| all.iter().map(|rates| rates[k]).sum::<f64>() / draws as f64)
