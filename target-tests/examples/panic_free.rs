@@ -34,10 +34,8 @@ mod refined;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]
 mod shaft;
-#[path = "support/signature_calls.rs"]
-mod signature_calls;
-#[path = "support/storage_calls.rs"]
-mod storage_calls;
+#[path = "support/stored_calls.rs"]
+mod stored_calls;
 #[path = "support/telemetry_calls.rs"]
 mod telemetry_calls;
 #[path = "support/watch_calls.rs"]
@@ -65,8 +63,8 @@ fn run() {
     drive_calls::front_end(|error| show(error));
     decimation();
     converter::run(|error| show(error));
-    storage_calls::run(|error| show(error));
-    signature_calls::run(|error| show(error));
+    stored_calls::storage(|error| show(error));
+    stored_calls::signatures(|error| show(error));
     watch_calls::run(|error| show(error));
     plans();
     constants();

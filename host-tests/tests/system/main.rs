@@ -1,31 +1,8 @@
 //! The whole system on simulated and recorded traces: rigs, identification, training, and the verdicts of the core.
 
-mod actuator;
-mod campaign;
-mod cogging;
-mod consistency;
-mod dc_motor_recordings;
-mod dc_motor_rig;
-mod embedded_estimates;
-mod estimators;
-mod field_table;
+mod alarm;
 mod formats;
-mod healthy_sets;
 mod identification;
-mod implausible_signals;
-mod instruments_model;
-mod lab_files;
-mod lasting;
-mod priors_and_costs;
-mod recorded_actuators;
-mod recorded_drives;
-mod recorded_families;
-mod recorded_forward;
-mod recorded_healthy_only;
-mod recorded_later_runs;
-mod recorded_slip;
-mod recorded_wear;
-mod standard_rig;
-mod stated_limits;
-mod structure;
-mod validation;
+mod recorded;
+mod rigs;
+mod verdicts;

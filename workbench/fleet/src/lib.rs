@@ -14,7 +14,6 @@
 mod double;
 mod fold;
 mod group;
-mod names;
 mod part;
 mod plan;
 mod plan_files;
@@ -25,8 +24,7 @@ mod writer;
 
 pub use fold::fold;
 pub use group::{Closed, Group, Level};
-pub use names::RESERVED;
-pub use part::{Batch, Part, Wanted};
+pub use part::{Batch, Part, RESERVED, Wanted};
 pub use plan::{Origin, Plan, VERSION};
 pub use plan_files::plan_file;
 pub use sums::{ClassSums, MOST_FEATURES, PatternSums, Sums};

@@ -27,7 +27,6 @@ use parquet::file::statistics::Statistics;
 
 use super::Plan;
 use super::double::LARGEST;
-use super::names::{PLAN, SORTED, TEXTS, variance_of};
 use super::plan_files::{keys, plan_beside};
 use model::Error;
 use model::near::among;
@@ -35,12 +34,25 @@ use model::trace::Condition;
 use traces::damaged::{DAMAGED, guarded};
 use traces::table::parquet_pages;
 
+/// Key of the plan in the metadata.
+pub(super) const PLAN: &str = "bearing_watch_plan";
+/// Key that tells whether the units ascend.
+pub(super) const SORTED: &str = "bearing_watch_sorted";
+/// Columns of text that every part has, in their order.
+pub(super) const TEXTS: [&str; 4] = ["trace", "class_name", "unit", "run"];
+/// Names that no column of the labels can have.
+pub const RESERVED: [&str; 6] = ["trace", "segment", "class_name", "unit", "run", "usable"];
 /// Rows of a batch that is read.
 const BATCH: usize = 8192;
 /// What is said of a file without a plan.
 const NO_PLAN: &str = "no table of features with their plan; write it with `bearing-watch features`. If another program \
                        has written a part again, its metadata with the plan is lost: put the file NAME.plan.json, \
                        which `features` wrote beside the part, beside this one, or as plan.json into its folder";
+
+/// Name of the column with the variances of a feature's errors.
+pub(super) fn variance_of(name: &str) -> String {
+    format!("{name}_variance")
+}
 
 /// A part whose rows are not yet read.
 #[derive(Debug)]

@@ -15,7 +15,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::schema::types::ColumnPath;
 
 use super::Plan;
-use super::names::{PLAN, SORTED, TEXTS, variance_of};
+use super::part::{PLAN, SORTED, TEXTS, variance_of};
 use model::Error;
 
 /// Rows of a row group.

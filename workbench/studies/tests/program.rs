@@ -212,7 +212,7 @@ fn the_actuator_is_judged_by_the_core_where_the_source_guesses() {
     let [_, reference, error, rit] = &tables[..] else { panic!("an overview and three tables") };
     let literal = "validation, with PCA";
     for (table, traces) in [(reference, 20.0), (error, 20.0), (rit, 16.0)] {
-        let ours = mean(table, studies::tables::chapter5::ours::NAME, "misclassified");
+        let ours = mean(table, studies::tables::chapter5::OURS, "misclassified");
         // At most one record.
         assert!(ours <= 100.0 / traces, "{}: {ours}", table.id);
         let published = table.cell(literal, "published").cloned();

@@ -54,7 +54,7 @@ const SOURCES: [Source; 25] = [
     ("target", "book/src/target.md", Figures),
     ("demo", "book/src/introduction.md", Tests("system", "standard_rig::twenty_draws")),
     ("instruments", "book/src/mathematics.md", Tests("system", "instruments_model::noise_in_the_field")),
-    ("faults", "book/src/faults.md", Tests("core", "fault_table::faults_of_signals")),
+    ("faults", "book/src/faults.md", Tests("core", "faults::table::faults_of_signals")),
     ("campaign", "docs/campaign.md", Study("campaign", "")),
     ("field", "docs/field.md", Study(
         "campaign --field --draws 2 --report target/field.html",
@@ -70,7 +70,7 @@ const SOURCES: [Source; 25] = [
     ("tables", "docs/tables.md", Study(
         "tables --report target/park.html", "Figure 5.35: a healthy record with four angles of the Park transform",
     )),
-    ("recorded", "docs/recorded.md", Tests("system", "recorded_")),
+    ("recorded", "docs/recorded.md", Tests("system", "recorded::")),
     ("endurance", "docs/endurance.md", Endurance),
     ("peers", "docs/peers.md", Script("peers/peers.sh")),
     ("reading", "docs/peers.md", Script("peers/reading.sh")),

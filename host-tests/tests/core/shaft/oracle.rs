@@ -6,7 +6,7 @@ use bearing_watch::plan::RunTime;
 use nalgebra::{DMatrix, DVector};
 
 use super::orders::{Expected as Order, Path, expected as expected_orders};
-use crate::rig::Motion;
+use crate::shaft::dc_motor::Motion;
 
 /// What the core's [`bearing_watch::shaft::ShaftEstimate`] should say.
 #[derive(Debug)]

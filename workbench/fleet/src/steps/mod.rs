@@ -6,7 +6,6 @@
 
 mod features;
 mod labelled;
-mod memory;
 mod plans;
 mod train;
 

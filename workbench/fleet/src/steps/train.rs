@@ -6,7 +6,6 @@ use std::time::Instant;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::memory::peak_memory_mb;
 use crate::plan_files::files;
 use crate::{Choice, Fit, Independent, Part, Plan, Sums, Tails, Wanted, fingerprint, fold};
 use model::Error;
@@ -169,4 +168,11 @@ impl TrainedOnParts {
             "peak_memory_mb": self.peak_memory_mb,
         })
     }
+}
+
+/// The largest resident memory of this process, MB; `None` where the system does not give it.
+fn peak_memory_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.split_whitespace().next()?.parse::<f64>().ok().map(|kilobytes| kilobytes / 1024.0)
 }

@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::columns::step::step;
+use super::columns::held::step;
 
 /// Fewest rows that are compared.
 const FEWEST: usize = 100;

@@ -1,6 +1,6 @@
 //! The times of a trace: rate, jitter, gaps, times that stand.
 
-use super::columns::step::finite;
+use super::columns::held::finite;
 use crate::trace::{gaps, median};
 
 /// Usual steps that a gap is longer than.

@@ -18,8 +18,8 @@ use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
-use super::groups::numbered;
-use super::ranks::ranks;
+use super::judged::numbered;
+use super::roc::ranks;
 use super::{Judged, TraceVerdict};
 
 /// Exchanges of the labels.

@@ -1,6 +1,7 @@
 //! Verdicts with what is needed to count them: classes, and the groups in which they are alike.
 
-use super::groups::numbered;
+use std::collections::HashMap;
+
 use super::{Confusion, Rate, TraceVerdict};
 use crate::core::Finding;
 
@@ -62,6 +63,17 @@ impl Judged<'_> {
         }
         confusion
     }
+}
+
+/// The number of each name in the order of first appearance, and how many different ones there are.
+pub(super) fn numbered(names: &[String]) -> (Vec<usize>, usize) {
+    let mut known: HashMap<&str, usize> = HashMap::new();
+    let mut places = Vec::with_capacity(names.len());
+    for name in names {
+        let next = known.len();
+        places.push(*known.entry(name).or_insert(next));
+    }
+    (places, known.len())
 }
 
 #[cfg(test)]

@@ -20,7 +20,6 @@
 use std::collections::BTreeMap;
 
 use super::Rate;
-use super::ranks::ranks;
 
 /// A score of a trace or segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,6 +122,20 @@ fn pooled(scored: &[Scored]) -> Option<Rate> {
     Some(Rate::of_variance(area, variance, of_defect.min(of_healthy)))
 }
 
+/// The rank of each value, from 0; equal values share the mean of their ranks.
+pub(super) fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&one, &other| values[one].total_cmp(&values[other]));
+    let mut out = vec![0.0; values.len()];
+    let mut from = 0;
+    for alike in order.chunk_by(|&one, &other| values[one].total_cmp(&values[other]).is_eq()) {
+        let rank = from as f64 + (alike.len() - 1) as f64 / 2.0;
+        alike.iter().for_each(|&place| out[place] = rank);
+        from += alike.len();
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use rand::{RngExt as _, SeedableRng as _};
@@ -133,6 +146,11 @@ mod tests {
     fn scored(unit: usize, healthy: &[f64], defect: &[f64]) -> Vec<Scored> {
         let of = |defect: bool| move |score: &f64| Scored { unit, defect, score: *score };
         healthy.iter().map(of(false)).chain(defect.iter().map(of(true))).collect()
+    }
+
+    #[test]
+    fn equal_values_share_their_rank() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 0.0]), [2.5, 1.0, 2.5, 0.0]);
     }
 
     /// Of 3 · 3 pairs, 2 above none, 3 above one and equal to one, 5 above all three: (0 + 1.5 + 3)/9.

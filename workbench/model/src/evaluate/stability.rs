@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use statrs::distribution::{ContinuousCDF as _, FisherSnedecor, StudentsT};
 
 use super::Rate;
-use super::groups::numbered;
+use super::judged::numbered;
 
 /// One feature over runs.
 #[derive(Clone, Debug, PartialEq)]

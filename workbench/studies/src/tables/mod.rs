@@ -18,7 +18,6 @@ pub mod published;
 pub mod recorded;
 pub mod render;
 pub mod result;
-mod selected_features;
 mod settings;
 
 pub use chapters::chapter5;

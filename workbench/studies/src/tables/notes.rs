@@ -39,7 +39,7 @@ pub fn intro(settings: &Settings) -> Vec<String> {
              of Tables 5.12 and 5.13 are the same; the source saw no difference either.",
             settings.actuator_repetitions()
         ),
-        chapter5::ours::DESCRIPTION.to_string(),
+        chapter5::OURS_DESCRIPTION.to_string(),
     ]
 }
 

@@ -55,7 +55,7 @@ fn rows(table: &Table) -> Vec<Row> {
                 cell(LITERAL, "published"),
                 cell(LITERAL, "misclassified"),
                 Cell::Empty,
-                cell(chapter5::ours::NAME, "misclassified"),
+                cell(chapter5::OURS, "misclassified"),
             ];
             vec![Row { name: format!("Table {id}: {}", table.title.split("; ").nth(1).unwrap_or_default()), cells }]
         }

@@ -1,8 +1,7 @@
 //! A column by itself: its step, and whether it is held, saturated or constant.
 
 use super::codes::{outside, unsigned};
-use super::held::{held, told};
-use super::step::{finite, least_difference};
+use super::held::{finite, held, least_difference, told};
 use crate::statistics::mean_sd;
 
 /// Rows of one value that count as held, if the step is fine.

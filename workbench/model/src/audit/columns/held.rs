@@ -1,11 +1,13 @@
-//! Values that a source slower than the recording holds over several rows.
+//! The step of a sensor, which is the smallest difference of a column's values, and values that a source slower than the
+//! recording holds over several rows.
 //!
 //! A slow bus gives a new value at regular times, for example every tenth row. A sensor with a coarse step also gives
 //! the same value in several rows, but it changes by single steps, at times that the signal decides.
 
-use crate::trace::median;
+use std::borrow::Cow;
 
-use super::step::step;
+use crate::statistics::mean_sd;
+use crate::trace::median;
 
 /// Number of rows with the same value from which on the current is too slow to show a bearing.
 const TOO_SLOW: usize = 10;
@@ -14,6 +16,29 @@ const CHANGES: usize = 20;
 /// A change that is not one step of a coarse sensor, in steps, and the part of the changes that are such.
 const STEPS: f64 = 1.5;
 const LARGE: f64 = 0.5;
+
+/// The smallest difference of two values, which is that of the sensor's counts.
+#[must_use]
+pub fn step(x: &[f64]) -> f64 {
+    let mut sorted = finite(x).into_owned();
+    sorted.sort_by(f64::total_cmp);
+    least_difference(&sorted, mean_sd(&sorted).1)
+}
+
+/// The values that are not missing.
+pub(crate) fn finite(x: &[f64]) -> Cow<'_, [f64]> {
+    if x.iter().all(|x| x.is_finite()) {
+        Cow::Borrowed(x)
+    } else {
+        Cow::Owned(x.iter().copied().filter(|x| x.is_finite()).collect())
+    }
+}
+
+/// The smallest difference of sorted values above the rounding of values with this deviation.
+pub(crate) fn least_difference(sorted: &[f64], deviation: f64) -> f64 {
+    let differences = sorted.windows(2).map(|pair| pair[1] - pair[0]);
+    differences.filter(|step| *step > 1e-12 * deviation).fold(f64::INFINITY, f64::min)
+}
 
 /// The usual number of rows from one value to the next, if values are held: nearly all changes are at least half of it
 /// apart, and they are not single steps of the sensor.

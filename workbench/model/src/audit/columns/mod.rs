@@ -5,4 +5,3 @@ pub(crate) mod clipped;
 pub(crate) mod codes;
 pub mod column;
 pub mod held;
-pub mod step;

@@ -23,17 +23,15 @@ mod records;
 mod render;
 #[cfg(test)]
 mod tests;
-mod watch;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use judge::{Core, History, Watch, judge};
 pub use judge::{FalseAlarms, Judged, Outcome};
-use judge::{History, judge};
 use peers::{Cusum, Threshold, Usual, band, mean};
 pub(super) use records::{Place, record};
 pub use render::{text, to_json};
-use watch::{Core, Watch};
 
 use super::recipe::recipe;
 use crate::campaign::{Cell, Purpose};

@@ -16,7 +16,7 @@ use model::trace::Trace;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::watch::Watch;
+use super::judge::Watch;
 
 /// Band of (2), Hz.
 const BAND_HZ: [f64; 2] = [10.0, 100.0];

@@ -9,7 +9,6 @@ use crate::tables::ours;
 use crate::tables::published::{Simulation, written_order};
 use crate::tables::recorded::Selection;
 use crate::tables::result::{Cell, Column, Digits, Figure, Plane, PlaneClass, Row, Table};
-use crate::tables::selected_features::Chosen;
 use model::Error;
 use model::identify::Method;
 use model::train::{FeatureTable, ProjectionKind};
@@ -125,4 +124,33 @@ fn plane(published: &Simulation, a: &Chosen, rule: Rule) -> Figure {
     let classes = a.training.names.iter().enumerate().map(class).collect();
     let title = format!("Table {}: principal components of the a-parameters by iv4, first draw", published.number);
     Figure::Plane(Box::new(Plane { title, classes, rule }))
+}
+
+/// Selected features of both sets.
+pub(in crate::tables) struct Chosen {
+    pub(in crate::tables) names: Vec<String>,
+    pub(in crate::tables) training: FeatureTable,
+    pub(in crate::tables) validation: FeatureTable,
+}
+
+impl Chosen {
+    /// The first two features, as the source takes without PCA (§3.3).
+    pub(in crate::tables) fn first_two(&self) -> Self {
+        let select = |table: &FeatureTable| table.select(&[0, 1]);
+        Self { names: self.names[..2].to_vec(), training: select(&self.training), validation: select(&self.validation) }
+    }
+
+    /// The source's projection of these features.
+    pub(in crate::tables) fn to_two(&self) -> ProjectionKind {
+        principal(self.names.len())
+    }
+
+    pub(in crate::tables) fn rule(&self, projection: ProjectionKind, kind: Kind) -> Result<Rule, Error> {
+        Rule::train(&self.training, &self.names, projection, kind)
+    }
+
+    /// Decisions on the training and on the validation set.
+    pub(in crate::tables) fn judge(&self, rule: &Rule) -> [Judged; 2] {
+        [rule.judge(&self.training), rule.judge(&self.validation)]
+    }
 }

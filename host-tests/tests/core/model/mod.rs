@@ -1,0 +1,6 @@
+//! Models: bytes, ranges, plans.
+
+mod file;
+pub mod plans;
+mod ranges;
+mod shaft;

@@ -1,0 +1,4 @@
+//! What survives power-off: the saved state of the alarm, and records in flash.
+
+mod saved;
+mod storage;
