@@ -127,7 +127,8 @@ fn a_spall_is_found_whatever_the_unit_and_what_nothing_tells_is_asked() {
         let (healthy, spall) = (format!("d{k}"), format!("s{k}"));
         rewrite_all(dir, "rad", &healthy, drive);
         rewrite_all(dir, "rad_spall", &spall, drive);
-        let told = succeed(dir, &format!("init {healthy}"));
+        // What is asked is said although notes are not.
+        let told = succeed(dir, &format!("init -q {healthy}"));
         let file = dir.join(&healthy).join("drive.toml");
         let text = std::fs::read_to_string(&file).expect("a drive file");
         let [angle, velocity] = drive.written;
@@ -135,7 +136,8 @@ fn a_spall_is_found_whatever_the_unit_and_what_nothing_tells_is_asked() {
             assert!(text.contains(&line), "{line} in\n{text}");
         }
         let asks = drive.written != drive.answers;
-        assert_eq!(told.contains("Answer the questions"), asks, "{told}");
+        let asked = told.contains("Questions: ") && (told.contains("not known") || told.contains("pole pairs"));
+        assert_eq!(asked, asks, "{told}");
         let audited = audited(dir, &format!("{healthy}/drive.toml"));
         let train = format!("train {healthy}/drive.toml --orders outer=3.71794 --features orders --model m{k}.bwm");
         if asks {

@@ -19,7 +19,6 @@ mod words;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use crate::turning::Channel;
 pub use asked::Asked;
 use found::Found;
 use guess::Guess;
@@ -92,9 +91,8 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
     outputs::write(&out, text(&found, &values, note.as_deref()))?;
     let left = found.left.iter().map(LeftOut::told).chain(found.columns_left.iter().cloned());
     log.warn(left.map(|left| format!("left out {left}")));
-    log.warn(found.doubts.clone());
-    let open = [&found.turning.angle, &found.turning.velocity].into_iter().flatten();
-    let open = open.filter(|channel| channel.is_question()).filter_map(|channel| channel.said.clone());
+    let open = open(&found);
+    log.warn(found.doubts.iter().filter(|doubt| !open.contains(doubt)).cloned());
     let questions: Vec<String> =
         found.made.filter(|told| *told == Told::Nothing).map(made).into_iter().chain(open).collect();
     let question = (!questions.is_empty()).then(|| questions.join(" "));
@@ -164,11 +162,12 @@ fn told(found: &Found, out: &Path) -> String {
     let made = found.made.map_or_else(String::new, |how| format!(" {}: {}.", file.display(), made(how)));
     let files = format!("{} file{}", found.files, if found.files == 1 { "" } else { "s" });
     let rate = if found.rate_hz.is_none() { " The files have no time: set rate_hz." } else { "" };
-    let asks = |channel: &&Option<Channel>| channel.as_ref().is_some_and(Channel::is_question);
-    let open = [&found.turning.angle, &found.turning.velocity].into_iter().filter(asks).count();
-    let open = match open {
-        0 => String::new(),
-        _ => " Answer the questions: write a unit or a number in the place of each ?; training waits for them.".into(),
+    let open = match &open(found)[..] {
+        [] => String::new(),
+        open => format!(
+            " Questions: {} Write a unit or a number in the place of each ?; training waits for them.",
+            open.join(" ")
+        ),
     };
     format!(
         "{}: {}; {}. Check the channels and their signs.{made}{rate}{open}",
@@ -176,6 +175,12 @@ fn told(found: &Found, out: &Path) -> String {
         files,
         said.collect::<Vec<_>>().join(", ")
     )
+}
+
+/// The questions about units and numbers.
+fn open(found: &Found) -> Vec<String> {
+    let channels = [&found.turning.angle, &found.turning.velocity].into_iter().flatten();
+    channels.filter(|channel| channel.is_question()).filter_map(|channel| channel.said.clone()).collect()
 }
 
 /// What labels that were made say.
