@@ -185,7 +185,7 @@ impl LeastSquares {
         let (mut result, mut numbers) = (Self::default(), Numbers(4));
         let mut triangle = Triangle::<[f32; 4], [f32; 6]>::new(4);
         for _ in 0..30 {
-            triangle.update(&Self::row(&mut numbers), 1.0);
+            triangle.update(&Self::row(&mut numbers));
         }
         let (d, r) = triangle.parts_mut();
         for (cell, part) in result.factor.iter_mut().zip(d.iter().chain(r.iter())) {

@@ -13,74 +13,91 @@ use crate::signal::Park;
 /// Samples of a segment.
 pub const SAMPLES: u32 = 200;
 
-crate::plan! {
-    pub struct Drive;
-    pub struct Sample { current_a: "A", velocity_rad_s: "rad/s" }
-    layout: Layout {
-        regression: Some(RegressionLayout {
-            structure: Structure::new(1, 1, 0, 1, 0),
-            method: Method::LeastSquares,
-            memory: Memory::Segment,
-            y: current_a,
-            u1: velocity_rad_s,
-            u2: velocity_rad_s,
-        }),
-        features: 2,
-        coordinates: 1,
-        classes: 2,
-        discriminant: Kind::Linear,
-        ..Layout::EMPTY
-    }
+/// A plan with its sample and its model, by one of the methods; the rows have so many columns.
+macro_rules! drive {
+    ($plan:ident, $sample:ident, $model:ident, $method:ident, $columns:literal) => {
+        crate::plan! {
+            pub struct $plan;
+            pub struct $sample { current_a: "A", velocity_rad_s: "rad/s" }
+            layout: Layout {
+                regression: Some(RegressionLayout {
+                    structure: Structure::new(1, 1, 0, 1, 0),
+                    method: Method::$method,
+                    memory: Memory::Segment,
+                    y: current_a,
+                    u1: velocity_rad_s,
+                    u2: velocity_rad_s,
+                }),
+                features: 2,
+                coordinates: 1,
+                classes: 2,
+                discriminant: Kind::Linear,
+                ..Layout::EMPTY
+            }
+        }
+
+        /// Classes at the gains 0.5 and 1 of y = 0.8 y₁ + b u₁.
+        pub static $model: Model<$plan> = match $plan::model(Constants {
+            sampling: Sampling {
+                interval_s: 0.001,
+                park: Some(Park::Standard),
+                block_mean: 1,
+                segment_samples: SAMPLES,
+            },
+            channels: [
+                Channel { stuck_samples: 20, ..Channel::within("current_a", "A", 100.0) },
+                Channel::within("velocity_rad_s", "rad/s", 10.0),
+            ],
+            regression: [Regression {
+                scale: [1.0; $columns],
+                nominal: [-0.2, 0.5],
+                forgetting: Forgetting { lambda: 0.999, floor: 10.0 },
+                rest: 0.0,
+                settle: 10,
+                handover: 5,
+            }],
+            shaft: [],
+            classifier: Classifier {
+                features: [Feature::Parameter(0), Feature::Parameter(1)],
+                covariates: Covariates { list: [], map: [] },
+                projection: Projection { matrix: [0.0, 1.0], mean: [0.0, 0.0], usual: [0.0, 0.0] },
+                discriminant: Discriminant {
+                    means: [0.5, 1.0],
+                    factors: [0.0025],
+                    log_prior: [-0.693, -0.693],
+                    costs: [0.0, 1.0, 1.0, 0.0],
+                    reject_cost: f32::INFINITY,
+                },
+                novelty: Novelty {
+                    class: None,
+                    mean: [0.0],
+                    factor: [0.0],
+                    knots: [[0.0; 2]; 24],
+                    laws: [],
+                    rises: [],
+                    acceptable: f32::INFINITY,
+                    freedom: 1.0,
+                    limit: f32::INFINITY,
+                    directions: Directions::NONE,
+                },
+            },
+            evidence: EvidenceConstants::NONE,
+            labels: [Label::constant("half"), Label::constant("whole")],
+        }) {
+            Ok(model) => model,
+            Err(error) => panic!("{}", error.message()),
+        };
+    };
 }
 
-/// Classes at the gains 0.5 and 1 of y = 0.8 y₁ + b u₁.
-pub static MODEL: Model<Drive> = match Drive::model(Constants {
-    sampling: Sampling { interval_s: 0.001, park: Some(Park::Standard), block_mean: 1, segment_samples: SAMPLES },
-    channels: [
-        Channel { stuck_samples: 20, ..Channel::within("current_a", "A", 100.0) },
-        Channel::within("velocity_rad_s", "rad/s", 10.0),
-    ],
-    regression: [Regression {
-        scale: [1.0, 1.0, 1.0],
-        nominal: [-0.2, 0.5],
-        deviation: 0.0,
-        forgetting: Forgetting { lambda: 0.999, floor: 10.0 },
-        huber: 0.0,
-        rest: 0.0,
-        settle: 10,
-        handover: 5,
-    }],
-    shaft: [],
-    classifier: Classifier {
-        features: [Feature::Parameter(0), Feature::Parameter(1)],
-        covariates: Covariates { list: [], map: [] },
-        projection: Projection { matrix: [0.0, 1.0], mean: [0.0, 0.0], usual: [0.0, 0.0] },
-        discriminant: Discriminant {
-            means: [0.5, 1.0],
-            factors: [0.0025],
-            log_prior: [-0.693, -0.693],
-            costs: [0.0, 1.0, 1.0, 0.0],
-            reject_cost: f32::INFINITY,
-        },
-        novelty: Novelty {
-            class: None,
-            mean: [0.0],
-            factor: [0.0],
-            knots: [[0.0; 2]; 24],
-            laws: [],
-            rises: [],
-            acceptable: f32::INFINITY,
-            freedom: 1.0,
-            limit: f32::INFINITY,
-            directions: Directions::NONE,
-        },
-    },
-    evidence: EvidenceConstants::NONE,
-    labels: [Label::constant("half"), Label::constant("whole")],
-}) {
-    Ok(model) => model,
-    Err(error) => panic!("{}", error.message()),
-};
+drive!(Drive, Sample, MODEL, LeastSquares, 3);
+drive!(Refined, RefinedSample, REFINED, Instruments, 4);
+
+impl From<Sample> for RefinedSample {
+    fn from(Sample { current_a, velocity_rad_s }: Sample) -> Self {
+        Self { current_a, velocity_rad_s }
+    }
+}
 
 /// A square wave through the model of gain `b`, with a little noise.
 pub fn samples(b: f32) -> impl Iterator<Item = Sample> {

@@ -86,7 +86,7 @@ pub fn regression(kind: usize) -> Option<Model<RunTime>> {
     let features: Vec<Feature> = (0..structure.parameters() as u8).map(Feature::Parameter).collect();
     let mut constants = run_time::constants(plan, SHORT, &[32.0, 32.0, 32.0], &features, None);
     let own = constants.regression.part_mut()?;
-    (own.settle, own.handover, own.huber, own.rest) = (4, 4, 6.0, 1e-6);
+    (own.settle, own.handover, own.rest) = (4, 4, 1e-6);
     own.forgetting = bearing_watch::model::Forgetting { lambda: 0.98, floor: 1.0 };
     Model::new(plan, constants).ok()
 }

@@ -634,7 +634,7 @@ typedef struct BwReport {
   uint8_t class_index;
   // Parameter, term, channel, covariate or error of the reason.
   uint8_t place;
-  // Segments in a row, before this one, whose estimate could not serve as auxiliary model.
+  // Segments in a row, before this one, whose estimate could not serve as auxiliary model; 0 by least squares.
   uint8_t refused;
   // Number of features that were missing.
   uint8_t missing;
@@ -650,8 +650,6 @@ typedef struct BwReport {
   uint32_t rejected;
   // Samples with a saturated sensor and no rejected channel.
   uint32_t saturated;
-  // Rows with a reduced weight because their residual was large.
-  uint32_t downweighted;
   // Rows that fading memory ignored because the inputs hardly changed.
   uint32_t resting;
   // Channels that were stuck at some time of the segment, bit k for channel k.
@@ -1186,9 +1184,9 @@ BwCode bw_advance(struct BwState *state);
 // As `bw_advance`.
 BwCode bw_conclude(struct BwState *state);
 
-// Makes the estimate of the report the auxiliary model of instrumental variables, or of least squares with less weight
-// for outliers; other models need no call. It must come before `handover` samples (`bw_info`) of the
-// next segment have been taken, with the interrupt masked. A model whose `handover` is 0 adopts by `bw_step` only.
+// Makes the estimate of the report the auxiliary model of instrumental variables; other models need no call. It must
+// come before `handover` samples (`bw_info`) of the next segment have been taken, with the interrupt masked. A model
+// whose `handover` is 0 adopts by `bw_step` only.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_NOT_ADOPTED`, or `BW_CODE_NO_REPORT`.
 //

@@ -99,7 +99,7 @@ pub struct BwReport {
     pub class_index: u8,
     /// Parameter, term, channel, covariate or error of the reason.
     pub place: u8,
-    /// Segments in a row, before this one, whose estimate could not serve as auxiliary model.
+    /// Segments in a row, before this one, whose estimate could not serve as auxiliary model; 0 by least squares.
     pub refused: u8,
     /// Number of features that were missing.
     pub missing: u8,
@@ -115,8 +115,6 @@ pub struct BwReport {
     pub rejected: u32,
     /// Samples with a saturated sensor and no rejected channel.
     pub saturated: u32,
-    /// Rows with a reduced weight because their residual was large.
-    pub downweighted: u32,
     /// Rows that fading memory ignored because the inputs hardly changed.
     pub resting: u32,
     /// Channels that were stuck at some time of the segment, bit k for channel k.
@@ -236,7 +234,6 @@ fn summary(state: &BwState) -> Outcome<BwReport> {
             rows: report.rows,
             rejected: counts.rejected,
             saturated: counts.saturated,
-            downweighted: counts.downweighted,
             resting: counts.resting,
             stuck: stuck.fold(0, |mask, channel| mask | (1 << channel)),
             lost_samples,

@@ -63,9 +63,9 @@ pub(crate) fn reported(state: &BwState, verdict: Verdict) -> BwCode {
     BwCode::Report
 }
 
-/// Makes the estimate of the report the auxiliary model of instrumental variables, or of least squares with less weight
-/// for outliers; other models need no call. It must come before `handover` samples (`bw_info`) of the
-/// next segment have been taken, with the interrupt masked. A model whose `handover` is 0 adopts by `bw_step` only.
+/// Makes the estimate of the report the auxiliary model of instrumental variables; other models need no call. It must
+/// come before `handover` samples (`bw_info`) of the next segment have been taken, with the interrupt masked. A model
+/// whose `handover` is 0 adopts by `bw_step` only.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_NOT_ADOPTED`, or `BW_CODE_NO_REPORT`.
 ///

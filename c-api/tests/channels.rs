@@ -54,9 +54,7 @@ fn model() -> Model<Channels> {
         regression: [Regression {
             scale: [1.0; 4],
             nominal: [-1.0; 3],
-            deviation: 1.0,
             forgetting: Forgetting { lambda: 0.9999, floor: 100.0 },
-            huber: 0.0,
             rest: 1e-6,
             settle: 0,
             handover: 0,

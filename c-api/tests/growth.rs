@@ -73,9 +73,7 @@ fn model(interval_s: f32) -> Model<Means> {
         regression: [Regression {
             scale: [1.0, 1.0],
             nominal: [-1.0],
-            deviation: 1.0,
             forgetting: Forgetting { lambda: 0.9999, floor: 100.0 },
-            huber: 0.0,
             rest: 1e-6,
             settle: 0,
             handover: 0,

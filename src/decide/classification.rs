@@ -128,6 +128,8 @@ impl<P: Plan> Classification<P> {
     }
 
     /// Distance from the healthy class and surprise; without such a class they remain zero.
+    // Out of line: the other steps would have its frame on the stack.
+    #[inline(never)]
     fn depart(&self, classifier: &Classifier<P>, decision: &mut Decision<P>) {
         let (z, variances) = self.coordinates();
         if classifier.novelty.class.is_some() {
@@ -137,7 +139,6 @@ impl<P: Plan> Classification<P> {
 }
 
 /// The k-th feature as the classifier takes it, less what the covariates explain.
-#[inline(never)]
 fn corrected<P: Plan>(
     classifier: &Classifier<P>,
     value: Result<FeatureValue, Reason>,

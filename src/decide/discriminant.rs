@@ -213,7 +213,6 @@ impl<P: Plan> Discriminant<P> {
     }
 
     /// The logarithms of the joint densities in the place of the posteriors; the largest, if it is finite.
-    #[inline(never)]
     fn join(&self, log_likelihoods: &[f32], decision: &mut Decision<P>) -> Option<f32> {
         let mut largest = f32::NEG_INFINITY;
         let cells = decision.posteriors.cells_mut().iter_mut().zip(decision.log_likelihoods.cells_mut());
@@ -230,7 +229,6 @@ impl<P: Plan> Discriminant<P> {
     }
 
     /// The expected costs, and the class of the least; `false` if none is finite.
-    #[inline(never)]
     fn choose(&self, decision: &mut Decision<P>) -> bool {
         let (posteriors, mut least) = (decision.posteriors.cells(), f32::INFINITY);
         for (class, cell) in (0..u8::MAX).zip(decision.expected_costs.cells_mut()) {

@@ -72,7 +72,6 @@ impl<P: Plan> Projection<P> {
 }
 
 /// (1) and (2) of one row of W.
-#[inline(never)]
 fn weighted_sum(weights: &[f32], features: &[FeatureValue], mean: &[f32]) -> FeatureValue {
     let mut z = FeatureValue { value: 0.0, variance: 0.0 };
     for (w, (feature, mean)) in pairs(weights, pairs(features, mean)) {

@@ -191,10 +191,10 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
     /// nothing, if the handover is past, if it is not the segment that was closed last, also by
     /// [`Detector::restart`] or [`Detector::discard`] since then, or if the estimate cannot be used.
     pub fn adopt(&mut self, report: &Report<P>) -> bool {
-        let (plan, constants) = (self.model.plan(), self.model.constants());
-        let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
-        let (Some(estimator), Some(regression), Some(estimate)) = parts else { return false };
-        report.model == self.model.id() && estimator.adopt(plan, regression, estimate)
+        let (Some(estimator), Some(estimate)) = (self.estimator.part_mut(), report.estimate.part()) else {
+            return false;
+        };
+        report.model == self.model.id() && estimator.adopt(self.model.plan(), estimate)
     }
 
     /// Takes one sample; returns whether the segment is full.
@@ -261,7 +261,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
     fn counted(&self, segment: &Segment<P>) -> Counts {
         let mut counts = self.gate.counts;
         if let (Some(estimator), Some(sums)) = (self.estimator.part(), segment.regression.part()) {
-            (counts.downweighted, counts.resting, counts.refused) = estimator.counts(sums);
+            (counts.resting, counts.refused) = estimator.counts(sums);
         }
         let steps = segment.shaft.part().map_or(0, ShaftSums::steps);
         counts.rejected = counts.rejected.saturating_add(steps);
@@ -270,11 +270,9 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
 
     /// Offers the estimate of the open segment as auxiliary model of the next one, before it is closed.
     fn offer(&mut self, report: &Report<P>) {
-        let (plan, constants) = (self.model.plan(), self.model.constants());
-        let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
-        let (Some(estimator), Some(regression), Some(estimate)) = parts else { return };
+        let (Some(estimator), Some(estimate)) = (self.estimator.part_mut(), report.estimate.part()) else { return };
         if report.model == self.model.id() {
-            estimator.offer(plan, regression, estimate);
+            estimator.offer(self.model.plan(), estimate);
         }
     }
 

@@ -4,7 +4,7 @@ use crate::model::{Constants, EvidenceConstants, Model};
 use crate::plan::Plan;
 use crate::reason::Reason;
 use crate::report::{Report, Verdict};
-use crate::tests::{Drive, MODEL, SAMPLES, Sample, report, samples};
+use crate::tests::{Drive, MODEL, REFINED, Refined, RefinedSample, SAMPLES, Sample, report, samples};
 use std::vec::Vec;
 
 /// Takes one sample; returns a copy of the sums with the sample that closes a segment.
@@ -27,7 +27,10 @@ pub(super) fn solved<P: Plan>(model: &Model<P>, mut segment: Segment<P>) -> Repo
     segment.report(model)
 }
 
-pub(super) fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item = Sample>) -> Segment<Drive> {
+pub(super) fn segment<P: Plan>(
+    detector: &mut Detector<'_, P>,
+    mut samples: impl Iterator<Item = P::Sample>,
+) -> Segment<P> {
     loop {
         if let Some(segment) = collect(detector, &samples.next().unwrap()) {
             return segment;
@@ -35,10 +38,15 @@ pub(super) fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iter
     }
 }
 
+/// The samples for instrumental variables, which need an auxiliary model.
+fn refined(b: f32) -> impl Iterator<Item = RefinedSample> {
+    samples(b).map(RefinedSample::from)
+}
+
 #[test]
 fn at_once_deferred_and_in_steps_give_the_same_reports() {
-    let [mut inline, mut whole, mut steps] = [(); 3].map(|()| Detector::new(&MODEL));
-    let [mut one, mut two, mut three] = [(); 3].map(|()| samples(1.0));
+    let [mut inline, mut whole, mut steps] = [(); 3].map(|()| Detector::new(&REFINED));
+    let [mut one, mut two, mut three] = [(); 3].map(|()| refined(1.0));
     for _ in 0..3 {
         let expected = loop {
             if let Some(report) = inline.step(&one.next().unwrap()) {
@@ -46,9 +54,9 @@ fn at_once_deferred_and_in_steps_give_the_same_reports() {
             }
         };
         assert_eq!(expected.verdict, Verdict::Class(1));
-        let concluded = solved(&MODEL, segment(&mut whole, &mut two));
+        let concluded = solved(&REFINED, segment(&mut whole, &mut two));
         assert!(whole.adopt(&concluded));
-        let mut monitor = Monitor::new(&MODEL);
+        let mut monitor = Monitor::new(&REFINED);
         monitor.take_from(&mut segment(&mut steps, &mut three));
         let mut advances = 1;
         while monitor.advance().is_none() {
@@ -56,7 +64,7 @@ fn at_once_deferred_and_in_steps_give_the_same_reports() {
         }
         assert!((5..20).contains(&advances), "{advances}");
         assert_eq!(monitor.report(), Some(&expected));
-        assert!(steps.adopt(&expected) && !steps.adopt(&Report::empty(Drive)));
+        assert!(steps.adopt(&expected) && !steps.adopt(&Report::empty(Refined)));
         assert_eq!(concluded, expected);
     }
 }
@@ -261,19 +269,17 @@ fn a_discarded_segment_closes_where_it_would_have_with_means_of_blocks() {
 
 #[test]
 fn a_report_from_before_a_restart_is_not_adopted() {
-    let mut detector = Detector::new(&MODEL);
-    let mut next = || samples(0.5).find_map(|sample| collect(&mut detector, &sample)).unwrap();
-    let old = solved(&MODEL, next());
+    let mut detector = Detector::new(&REFINED);
+    let old = solved(&REFINED, segment(&mut detector, refined(0.5)));
     for again in 0..300 {
         detector.restart();
-        let mut next = || samples(0.5).find_map(|sample| collect(&mut detector, &sample)).unwrap();
-        let report = solved(&MODEL, next());
+        let report = solved(&REFINED, segment(&mut detector, refined(0.5)));
         assert!(!detector.adopt(&old) && detector.adopt(&report), "{again}");
     }
     // Nor one of so many segments ago that a byte would have counted around.
-    let mut detector = Detector::new(&MODEL);
+    let mut detector = Detector::new(&REFINED);
     for k in 0..512_u32 {
-        segment(&mut detector, samples(0.5));
+        segment(&mut detector, refined(0.5));
         if k == 0 || k == 256 {
             assert_eq!(detector.adopt(&old), k == 0, "{k}");
         }
@@ -282,8 +288,8 @@ fn a_report_from_before_a_restart_is_not_adopted() {
 
 #[test]
 fn a_report_from_before_a_discarded_part_is_not_adopted() {
-    let mut detector = Detector::new(&MODEL);
-    let report = solved(&MODEL, segment(&mut detector, samples(0.5)));
+    let mut detector = Detector::new(&REFINED);
+    let report = solved(&REFINED, segment(&mut detector, refined(0.5)));
     assert!(detector.clone().adopt(&report));
     detector.discard();
     assert!(!detector.adopt(&report));
@@ -304,9 +310,13 @@ fn what_another_model_made_is_refused() {
     let reason = Some(Reason::OtherModel);
     assert_eq!((evidence.segments(), evidence.silence().and_then(|silence| silence.reason)), ((1, 1), reason));
     assert_eq!(solved(&model, collect(&other)).verdict, Verdict::Undetermined(Reason::OtherModel));
-    let mut detector = Detector::new(&model);
-    segment(&mut detector, samples(1.0));
-    assert!(!detector.adopt(&report));
+    let mut constants = REFINED.constants().clone();
+    constants.classifier.discriminant.means = [0.5, 1.1];
+    let other = Model::new(Refined, constants).unwrap();
+    let [mut one, mut two] = [&REFINED, &other].map(Detector::new);
+    let report = solved(&REFINED, segment(&mut one, refined(1.0)));
+    segment(&mut two, refined(1.0));
+    assert!(!two.adopt(&report) && one.adopt(&report));
     // The same numbers are the same model, wherever they are.
     let mut evidence = Evidence::new(&gated());
     evidence.observe(solved(&model, collect(&gated())).decision.as_ref());

@@ -135,10 +135,8 @@ pub const fn identity(parts: &Parts<'_>) -> u32 {
         Some(park) => 1 + park as u32,
     });
     mixed = mixed.channels(parts.channels).features(parts.features).covariates(parts.covariates);
-    if let Some(RegressionParts { scale, nominal, deviation, forgetting, huber, rest, settle, handover }) =
-        parts.regression
-    {
-        mixed = mixed.floats(scale).floats(nominal).floats(&[deviation, huber, rest]);
+    if let Some(RegressionParts { scale, nominal, forgetting, rest, settle, handover }) = parts.regression {
+        mixed = mixed.floats(scale).floats(nominal).floats(&[rest]);
         mixed = mixed.floats(&[forgetting.lambda, forgetting.floor]).word(settle as u32).word(handover as u32);
     }
     if let Some(ShaftParts { lags: Lags { current, velocity, load }, balance, orders, blocks }) = &parts.shaft {

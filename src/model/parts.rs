@@ -14,9 +14,7 @@ use crate::signal::{Channel, Label};
 pub struct RegressionParts<'a> {
     pub scale: &'a [f32],
     pub nominal: &'a [f32],
-    pub deviation: f32,
     pub forgetting: Forgetting,
-    pub huber: f32,
     pub rest: f32,
     pub settle: u16,
     pub handover: u16,

@@ -168,9 +168,7 @@ fn read_regression<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Regressi
     Ok(Regression {
         scale: reader.floats(layout.columns())?,
         nominal: reader.floats(layout.parameters())?,
-        deviation: reader.f32()?,
         forgetting: Forgetting { lambda: reader.f32()?, floor: reader.f32()? },
-        huber: reader.f32()?,
         rest: reader.f32()?,
         settle: reader.u16()?,
         handover: reader.u16()?,

@@ -138,7 +138,7 @@ const fn check_regression(
 ) -> Result<(), ModelError> {
     let Structure { na, nb, nc, .. } = layout.structure;
     let (columns, n) = (layout.columns(), layout.structure.parameters());
-    let RegressionParts { scale, nominal, deviation, forgetting, huber, rest, settle, handover } = *regression;
+    let RegressionParts { scale, nominal, forgetting, rest, settle, handover } = *regression;
     let segment_samples = parts.sampling.segment_samples;
     let longest = match layout.memory {
         Memory::Segment => MAX_SEGMENT_ROWS,
@@ -160,8 +160,6 @@ const fn check_regression(
     let largest = if y_limit > 1.0 { y_limit } else { 1.0 };
     require!(bounded(of_output, y_limit) && inputs && all_within(scale, 0.0, 1e14 / largest), LimitTimesScale);
     require!(all_within(nominal, -LARGEST, LARGEST), NominalModel);
-    require!(deviation >= 0.0 && deviation <= LARGEST, ResidualDeviation);
-    require!(huber >= 0.0 && huber <= 1e6, OutlierThreshold);
     require!(rest >= 0.0 && rest <= LARGEST, RestThreshold);
     require!(handover as u32 <= segment_samples / 2, Handover);
     if matches!(layout.method, Method::Instruments) {

@@ -104,10 +104,10 @@ pub(super) fn write<P: Plan>(writer: &mut Writer<impl Sink>, constants: &Constan
 }
 
 fn write_regression<P: Plan>(writer: &mut Writer<impl Sink>, regression: &Regression<P>) -> Result<(), ModelError> {
-    let Regression { scale, nominal, deviation, forgetting, huber, rest, settle, handover } = regression;
+    let Regression { scale, nominal, forgetting, rest, settle, handover } = regression;
     writer.floats(scale.cells())?;
     writer.floats(nominal.cells())?;
-    writer.floats(&[*deviation, forgetting.lambda, forgetting.floor, *huber, *rest])?;
+    writer.floats(&[forgetting.lambda, forgetting.floor, *rest])?;
     writer.bytes(&settle.to_le_bytes())?;
     writer.bytes(&handover.to_le_bytes())
 }

@@ -251,9 +251,7 @@ macro_rules! plan {
                 [regression, ..] => Some($crate::model::RegressionParts {
                     scale: $crate::plan!(@$slice regression.scale),
                     nominal: $crate::plan!(@$slice regression.nominal),
-                    deviation: regression.deviation,
                     forgetting: regression.forgetting,
-                    huber: regression.huber,
                     rest: regression.rest,
                     settle: regression.settle,
                     handover: regression.handover,

@@ -1,4 +1,4 @@
-//! The auxiliary model: the model that rows are made and judged with, and its successor until the handover.
+//! The auxiliary model of instrumental variables, which rows are made with, and its successor until the handover.
 //!
 //! The model of a segment takes over a fixed number of samples into the next segment, whether it was solved at once or
 //! in another thread: both give the same bits. Without a successor the model stays; after [`PATIENCE`] segments the
@@ -10,23 +10,13 @@ use crate::unroll::unrolled;
 /// Segments without a successor after which the nominal model returns.
 const PATIENCE: u8 = 3;
 
-/// A model in the form in which a row source computes, and the residual beyond which a row weighs less.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Candidate<P: Plan> {
-    /// Parameters.
-    pub theta: Array<P::Parameters, f32>,
-    /// Residual beyond which a row weighs less; infinite for never.
-    pub threshold: f32,
-}
-
-/// The auxiliary model and its successor.
+/// The δ-parameters of the auxiliary model and of its successor.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Auxiliary<P: Plan> {
     /// The model in use.
-    pub now: Candidate<P>,
-    next: Candidate<P>,
+    pub now: Array<P::Parameters, f32>,
+    next: Array<P::Parameters, f32>,
     /// Samples until the handover; zero once it is past.
     until: u16,
     waiting: bool,
@@ -37,12 +27,12 @@ pub struct Auxiliary<P: Plan> {
 impl<P: Plan> Auxiliary<P> {
     /// Starts with a model.
     #[must_use]
-    pub fn new(now: Candidate<P>) -> Self {
+    pub fn new(now: Array<P::Parameters, f32>) -> Self {
         Self { next: now.clone(), now, until: 0, waiting: false, refused: 0 }
     }
 
     /// Offers the model for the next handover.
-    pub fn offer(&mut self, next: Candidate<P>) {
+    pub fn offer(&mut self, next: Array<P::Parameters, f32>) {
         (self.next, self.waiting) = (next, true);
     }
 
@@ -53,7 +43,7 @@ impl<P: Plan> Auxiliary<P> {
     }
 
     /// Starts a segment; returns whether the handover is now.
-    pub fn next_segment(&mut self, handover: u16, nominal: impl FnOnce() -> Candidate<P>) -> bool {
+    pub fn next_segment(&mut self, handover: u16, nominal: impl FnOnce() -> Array<P::Parameters, f32>) -> bool {
         self.until = handover;
         if handover == 0 && self.hand_over() {
             self.now = nominal();
@@ -63,7 +53,7 @@ impl<P: Plan> Auxiliary<P> {
 
     /// Counts a sample; returns whether the handover is now.
     #[inline(always)]
-    pub fn tick(&mut self, nominal: impl FnOnce() -> Candidate<P>) -> bool {
+    pub fn tick(&mut self, nominal: impl FnOnce() -> Array<P::Parameters, f32>) -> bool {
         if self.until == 0 {
             return false;
         }
@@ -80,9 +70,8 @@ impl<P: Plan> Auxiliary<P> {
     fn hand_over(&mut self) -> bool {
         if self.waiting {
             (self.waiting, self.refused) = (false, 0);
-            self.now.threshold = self.next.threshold;
             // Not by a loop: at `opt-level = "s"` it becomes a call of memmove, which is large.
-            let (mut now, mut next) = (self.now.theta.cells_mut(), self.next.theta.cells());
+            let (mut now, mut next) = (self.now.cells_mut(), self.next.cells());
             unrolled!(let ([to, to_rest @ ..], [from, from_rest @ ..]) = (now, next) => {
                 *to = *from;
                 (now, next) = (to_rest, from_rest);
@@ -94,64 +83,37 @@ impl<P: Plan> Auxiliary<P> {
     }
 }
 
-/// The residual beyond which a row weighs less, for residuals of that standard deviation.
-pub fn threshold(huber: f32, deviation: f32) -> f32 {
-    let threshold = huber * deviation;
-    // Zero stands for "none" or "unknown". NaN must not switch every row off.
-    if threshold > 0.0 { threshold } else { f32::INFINITY }
-}
-
-/// Huber's weight of a residual.
-#[inline(always)]
-pub fn weight(residual: f32, threshold: f32) -> f32 {
-    let size = residual.abs();
-    if size > threshold { threshold / size } else { 1.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::plan::RunTime;
     use std::vec;
 
-    fn candidate(threshold: f32) -> Candidate<RunTime> {
-        Candidate { theta: vec![threshold], threshold }
-    }
-
     #[test]
     fn the_handover_is_told_once_and_the_successor_takes_over_there() {
-        let mut auxiliary = Auxiliary::new(candidate(1.0));
-        auxiliary.offer(candidate(2.0));
-        assert!(!auxiliary.next_segment(2, || candidate(9.0)) && auxiliary.awaits());
-        let ticks = [0; 4].map(|_| (auxiliary.tick(|| candidate(9.0)), auxiliary.now.threshold));
+        let mut auxiliary = Auxiliary::<RunTime>::new(vec![1.0]);
+        auxiliary.offer(vec![2.0]);
+        assert!(!auxiliary.next_segment(2, || vec![9.0]) && auxiliary.awaits());
+        let ticks = [0; 4].map(|_| (auxiliary.tick(|| vec![9.0]), auxiliary.now[0]));
         assert_eq!(ticks, [(false, 1.0), (true, 2.0), (false, 2.0), (false, 2.0)]);
-        assert!(auxiliary.next_segment(0, || candidate(9.0)) && !auxiliary.awaits(), "at once");
+        assert!(auxiliary.next_segment(0, || vec![9.0]) && !auxiliary.awaits(), "at once");
     }
 
     #[test]
     fn the_nominal_model_returns_after_three_segments_without_a_successor() {
         for handover in [0, 1] {
-            let mut auxiliary = Auxiliary::new(candidate(1.0));
-            auxiliary.offer(candidate(2.0));
+            let mut auxiliary = Auxiliary::<RunTime>::new(vec![1.0]);
+            auxiliary.offer(vec![2.0]);
             let models = [0; 6].map(|_| {
-                auxiliary.next_segment(handover, || candidate(9.0));
-                auxiliary.tick(|| candidate(9.0));
-                auxiliary.now.threshold
+                auxiliary.next_segment(handover, || vec![9.0]);
+                auxiliary.tick(|| vec![9.0]);
+                auxiliary.now[0]
             });
             assert_eq!(models, [2.0, 2.0, 2.0, 9.0, 9.0, 9.0], "{handover}");
-            auxiliary.offer(candidate(3.0));
-            auxiliary.next_segment(handover, || candidate(9.0));
-            auxiliary.tick(|| candidate(9.0));
-            assert_eq!((auxiliary.now.threshold, auxiliary.refused), (3.0, 0), "{handover}");
+            auxiliary.offer(vec![3.0]);
+            auxiliary.next_segment(handover, || vec![9.0]);
+            auxiliary.tick(|| vec![9.0]);
+            assert_eq!((&auxiliary.now[..], auxiliary.refused), (&[3.0][..], 0), "{handover}");
         }
-    }
-
-    #[test]
-    fn an_unknown_deviation_takes_no_weight_from_a_row() {
-        for (huber, deviation) in [(0.0, 1.0), (3.0, 0.0), (3.0, f32::NAN)] {
-            assert_eq!(weight(1e9, threshold(huber, deviation)), 1.0, "{huber} {deviation}");
-        }
-        let limit = threshold(3.0, 0.5);
-        assert_eq!([1.5, -3.0, 6.0].map(|residual| weight(residual, limit)), [1.0, 0.5, 0.25]);
     }
 }

@@ -21,16 +21,11 @@ pub struct Regression<P: Plan> {
     /// Power-of-two factor of each column of (1), then that of the target; the differences of one signal share one
     /// factor. By instrumental variables the places after the target are 1.
     pub scale: Array<P::Columns, f32>,
-    /// The nominal model (data sheet, or mean of healthy traces): δ-parameters t, β, γ, then the constant. It is the
-    /// auxiliary model of the first segment and the reference for outliers.
+    /// The nominal model (data sheet, or mean of healthy traces): δ-parameters t, β, γ, then the constant. By
+    /// instrumental variables it is the auxiliary model of the first segment.
     pub nominal: Array<P::Parameters, f32>,
-    /// Standard deviation of the residual of the nominal model (by instrumental variables: of its output error); 0 if
-    /// it is unknown.
-    pub deviation: f32,
     /// Forgetting of a fading memory; not used by other memories.
     pub forgetting: Forgetting,
-    /// Rows with a residual beyond this number of standard deviations get less weight (Huber's estimator); 0 for none.
-    pub huber: f32,
     /// Mean of (Δu1)² + (Δu2)² of the rows, scaled as their levels are, below which the inputs count as at rest: a
     /// segment gets no verdict, fading memory neither learns nor forgets. 0 for never. By instrumental variables the
     /// inputs are the prefiltered ones.
@@ -51,18 +46,10 @@ impl<P: Plan> Regression<P> {
         Self {
             scale: Cells::filled(layout.columns(), 1.0),
             nominal: Cells::filled(layout.parameters(), 0.0),
-            deviation: 0.0,
             forgetting: Forgetting { lambda: 0.9999, floor: 100.0 },
-            huber: 0.0,
             rest: 0.0,
             settle: 100,
             handover: 0,
         }
-    }
-
-    /// The scale of the target column.
-    #[inline(always)]
-    pub(crate) fn target_scale(&self, parameters: usize) -> f32 {
-        self.scale.cells().get(parameters).copied().unwrap_or(1.0)
     }
 }

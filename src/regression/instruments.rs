@@ -28,7 +28,7 @@
 //!
 //! Cost: 3 na + n multiply-adds more than least squares, and the larger triangle.
 
-use super::auxiliary::{self, Auxiliary, Candidate};
+use super::auxiliary::Auxiliary;
 use super::constants::Regression;
 use super::delays::Delays;
 use super::inputs::{Frame, Inputs, carry_on, dot};
@@ -93,7 +93,7 @@ impl<P: Plan> Instruments<P> {
             return None;
         }
         let [y0, u1_0, u2_0] = self.origin;
-        let (t, gains) = self.auxiliary.now.theta.cells().split_at_checked(na)?;
+        let (t, gains) = self.auxiliary.now.cells().split_at_checked(na)?;
         let (x, rest) = self.cells.cells_mut().split_at_mut_checked(na)?;
         let (u1_cells, rest) = rest.split_at_mut_checked(filter_cells(structure.nb, structure.na))?;
         let u2_cells = rest.get_mut(..filter_cells(structure.nc, structure.na))?;
@@ -123,7 +123,6 @@ impl<P: Plan> Instruments<P> {
         cells = put(put(cells, x, y_scale), y, y_scale);
         let target = if predicts(memory) { dy - expected } else { dy };
         put(cells, &[target], scale);
-        let weight = auxiliary::weight(dy - expected, self.auxiliary.now.threshold);
         let motion = squared(du1, u1_scale) + squared(du2, u2_scale);
 
         advance(y, dy);
@@ -137,7 +136,7 @@ impl<P: Plan> Instruments<P> {
             self.settling = self.settling.wrapping_sub(1);
             return None;
         }
-        Some(Row { cells: self.row.cells(), weight, motion })
+        Some(Row { cells: self.row.cells(), motion })
     }
 
     pub(super) fn flush(&mut self, plan: P) {
@@ -154,7 +153,7 @@ impl<P: Plan> Instruments<P> {
 
     #[inline(always)]
     pub(super) fn frame(&self, plan: P) -> Frame<P> {
-        let theta = &self.auxiliary.now.theta;
+        let theta = &self.auxiliary.now;
         let mut base = Array::<P::Parameters, f32>::from_fn(theta.cells().len(), |_| 0.0);
         if let Some(RegressionLayout { structure, memory, .. }) = plan.layout().regression
             && predicts(memory)
@@ -207,7 +206,7 @@ impl<P: Plan> Instruments<P> {
     fn refer(&mut self, structure: Structure) {
         let Structure { na, nb, nc, offset, .. } = structure;
         let (na, nb) = (na as usize, nb as usize);
-        let theta = self.auxiliary.now.theta.cells();
+        let theta = self.auxiliary.now.cells();
         let gain = |used: bool, place: usize| if used { theta.get(place).copied().unwrap_or(0.0) } else { 0.0 };
         let [y0, u1_0, u2_0] = self.origin;
         let constant = gain(offset, structure.terms());
@@ -255,15 +254,13 @@ fn filling<P: Plan>(plan: P) -> u16 {
 
 #[cold]
 #[inline(never)]
-fn nominal<P: Plan>(plan: P, constants: &Regression<P>) -> Candidate<P> {
-    candidate(plan, constants, constants.nominal.cells(), constants.deviation)
+fn nominal<P: Plan>(plan: P, constants: &Regression<P>) -> Array<P::Parameters, f32> {
+    parameters(plan, constants.nominal.cells())
 }
 
-/// The output error becomes the residual of a row through the gain |A(1)| = |t₀|.
-pub(super) fn candidate<P: Plan>(plan: P, constants: &Regression<P>, delta: &[f32], deviation: f32) -> Candidate<P> {
-    let gain = delta.first().map_or(0.0, |t| t.abs());
-    let theta = Cells::from_fn(plan.layout().parameters(), |k| delta.get(k).copied().unwrap_or(0.0));
-    Candidate { theta, threshold: auxiliary::threshold(constants.huber, deviation * gain) }
+/// The δ-parameters of an auxiliary model.
+pub(super) fn parameters<P: Plan>(plan: P, delta: &[f32]) -> Array<P::Parameters, f32> {
+    Cells::from_fn(plan.layout().parameters(), |k| delta.get(k).copied().unwrap_or(0.0))
 }
 
 /// Δf of (1) of the filter with this level and these differences.

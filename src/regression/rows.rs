@@ -4,7 +4,7 @@ use super::constants::Regression;
 use super::factor::Row;
 use super::inputs::{Frame, Inputs};
 use super::instruments::{self, Instruments};
-use super::squares::{self, Squares};
+use super::squares::Squares;
 use crate::plan::{Array, Cells, Layout, Method, Plan, Presence};
 
 /// The source of rows.
@@ -21,7 +21,7 @@ impl<P: Plan> Rows<P> {
     pub fn new(plan: P, constants: &Regression<P>) -> Self {
         let layout = plan.layout();
         Self {
-            squares: P::Squares::part(layout.squares() == 1, || Squares::new(plan, constants)),
+            squares: P::Squares::part(layout.squares() == 1, || Squares::new(plan)),
             instruments: P::Instruments::part(layout.instruments() == 1, || Instruments::new(plan, constants)),
         }
     }
@@ -49,29 +49,24 @@ impl<P: Plan> Rows<P> {
     /// Starts a segment with the next sample.
     pub fn next_segment(&mut self, plan: P, constants: &Regression<P>) {
         if let Some(squares) = self.squares.part_mut() {
-            squares.next_segment(plan, constants);
+            squares.next_segment();
         }
         if let Some(instruments) = self.instruments.part_mut() {
             instruments.next_segment(plan, constants);
         }
     }
 
-    /// Offers an estimate as auxiliary model for the next handover: δ-parameters, and the standard deviation of its
-    /// residuals.
-    pub fn offer(&mut self, plan: P, constants: &Regression<P>, delta: &[f32], deviation: f32) {
-        if let Some(squares) = self.squares.part_mut() {
-            squares.auxiliary.offer(squares::candidate(plan, constants, delta, deviation));
-        }
+    /// Offers an estimate as auxiliary model for the next handover: δ-parameters. Least squares has no use for it.
+    pub fn offer(&mut self, plan: P, delta: &[f32]) {
         if let Some(instruments) = self.instruments.part_mut() {
-            instruments.auxiliary.offer(instruments::candidate(plan, constants, delta, deviation));
+            instruments.auxiliary.offer(instruments::parameters(plan, delta));
         }
     }
 
     /// Whether the handover of the open segment is still ahead.
     #[must_use]
     pub fn awaits(&self) -> bool {
-        let squares = self.squares.part().is_some_and(|squares| squares.auxiliary.awaits());
-        squares || self.instruments.part().is_some_and(|instruments| instruments.auxiliary.awaits())
+        self.instruments.part().is_some_and(|instruments| instruments.auxiliary.awaits())
     }
 
     /// What a solve needs to know of the rows.
@@ -87,11 +82,10 @@ impl<P: Plan> Rows<P> {
         }
     }
 
-    /// Segments in a row whose model did not take over.
+    /// Segments in a row whose model did not take over; 0 by least squares.
     #[must_use]
     pub fn refused(&self) -> u8 {
-        let squares = self.squares.part().map_or(0, |squares| squares.auxiliary.refused);
-        self.instruments.part().map_or(squares, |instruments| instruments.auxiliary.refused)
+        self.instruments.part().map_or(0, |instruments| instruments.auxiliary.refused)
     }
 }
 

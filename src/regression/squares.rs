@@ -7,13 +7,11 @@
 //! restores the constant. Without this a level far from zero would nearly be the constant column, and the estimate
 //! would lose digits.
 //!
-//! After a refused sample, rows are withheld until every lag is valid again. A row whose residual e under the last
-//! accepted model exceeds the threshold κσ has the weight κσ/|e|.
+//! After a refused sample, rows are withheld until every lag is valid again.
 
-use super::auxiliary::{self, Auxiliary, Candidate};
 use super::constants::Regression;
 use super::delays::Delays;
-use super::inputs::{Inputs, carry_on, dot};
+use super::inputs::{Inputs, carry_on};
 use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout, Structure};
 use crate::regression::factor::Row;
 
@@ -37,14 +35,10 @@ pub struct Squares<P: Plan> {
     first: bool,
     /// Whether the origin has been taken: it moves only while the sums are empty.
     placed: bool,
-    /// Scaled parameters, for the residual.
-    pub(super) auxiliary: Auxiliary<P>,
-    /// Part of the scaled prediction that the origin removes from the levels.
-    shift: f32,
 }
 
 impl<P: Plan> Squares<P> {
-    pub(super) fn new(plan: P, constants: &Regression<P>) -> Self {
+    pub(super) fn new(plan: P) -> Self {
         Self {
             row: Cells::filled(plan.layout().columns(), 0.0),
             origin: [0.0; 3],
@@ -54,8 +48,6 @@ impl<P: Plan> Squares<P> {
             clean: 0,
             first: true,
             placed: false,
-            auxiliary: Auxiliary::new(nominal(plan, constants)),
-            shift: 0.0,
         }
     }
 
@@ -63,9 +55,9 @@ impl<P: Plan> Squares<P> {
     pub(super) fn push(&mut self, plan: P, constants: &Regression<P>, inputs: Inputs) -> Option<Row<'_>> {
         let RegressionLayout { structure, memory, .. } = plan.layout().regression?;
         let Structure { na, nb, nc, nkb, nkc, offset } = structure;
-        let swapped = self.auxiliary.tick(|| nominal(plan, constants));
-        if offset && (self.first || swapped) {
-            self.recentre(structure, memory, constants, inputs);
+        // Levels are taken from the first sample of the sums; a fading memory keeps its sums.
+        if offset && self.first && (!self.placed || memory != Memory::Fading) {
+            (self.origin, self.placed) = ([inputs.y, inputs.u1, inputs.u2], true);
         }
         let [level_y, level_u1, level_u2] = &mut self.level;
         let [y0, u1_0, u2_0] = self.origin;
@@ -93,59 +85,16 @@ impl<P: Plan> Squares<P> {
         // The level before the first row may be from before a gap.
         let motion = if (self.clean as usize) > depth.saturating_add(1) { du1 * du1 + du2 * du2 } else { 0.0 };
         self.first = false;
-        let mut weight = 1.0;
-        let row = self.row.cells();
-        if constants.huber > 0.0 {
-            let model = &self.auxiliary.now;
-            let prediction = dot(self.shift, row, model.theta.cells());
-            let target = row.get(structure.parameters()).copied().unwrap_or(0.0);
-            weight = auxiliary::weight(target - prediction, model.threshold);
-        }
-        Some(Row { cells: row, weight, motion })
+        Some(Row { cells: self.row.cells(), motion })
     }
 
     pub(super) fn flush(&mut self) {
         self.clean = 0;
     }
 
-    pub(super) fn next_segment(&mut self, plan: P, constants: &Regression<P>) {
+    pub(super) fn next_segment(&mut self) {
         self.first = true;
-        self.auxiliary.next_segment(constants.handover, || nominal(plan, constants));
     }
-
-    /// Takes the levels of the following rows from this sample, if it starts the sums.
-    #[inline(never)]
-    fn recentre(&mut self, structure: Structure, memory: Memory, constants: &Regression<P>, inputs: Inputs) {
-        if self.first && (!self.placed || memory != Memory::Fading) {
-            self.placed = true;
-            self.origin = [inputs.y, inputs.u1, inputs.u2];
-        }
-        let Structure { na, nb, nc, .. } = structure;
-        let (na, nb) = (na as usize, nb as usize);
-        let places = [(na > 0, 0), (nb > 0, na), (nc > 0, na.saturating_add(nb))];
-        let mut shift = if na == 0 { -self.origin[0] * constants.target_scale(structure.parameters()) } else { 0.0 };
-        let (theta, scale) = (self.auxiliary.now.theta.cells(), constants.scale.cells());
-        for ((used, place), origin) in places.into_iter().zip(self.origin) {
-            if let (true, Some(theta), Some(scale)) = (used, theta.get(place), scale.get(place)) {
-                shift += theta * scale * origin;
-            }
-        }
-        self.shift = shift;
-    }
-}
-
-fn nominal<P: Plan>(plan: P, constants: &Regression<P>) -> Candidate<P> {
-    candidate(plan, constants, constants.nominal.cells(), constants.deviation)
-}
-
-/// Scaled problem: `(y s_y) = (φ s) θ'`, so `θ' = θ s_y/s`.
-pub(super) fn candidate<P: Plan>(plan: P, constants: &Regression<P>, delta: &[f32], deviation: f32) -> Candidate<P> {
-    let parameters = plan.layout().parameters();
-    let target = constants.target_scale(parameters);
-    let mut theta: Array<P::Parameters, f32> = Cells::filled(parameters, 0.0);
-    let pairs = delta.iter().zip(constants.scale.cells());
-    theta.cells_mut().iter_mut().zip(pairs).for_each(|(to, (theta, scale))| *to = theta * (target / scale));
-    Candidate { theta, threshold: auxiliary::threshold(constants.huber, deviation * target) }
 }
 
 /// Puts a new level, less its origin, in front of `x₁, x₁−x₂, x₂−x₃, …` (`terms` columns); returns the columns after
@@ -195,7 +144,7 @@ mod tests {
             let layout = testing::regression(structure, Method::LeastSquares, Memory::Segment);
             let plan = RunTime::of(layout).unwrap();
             let constants = Regression::new(plan);
-            Self { plan, rows: Squares::new(plan, &constants), constants }
+            Self { plan, rows: Squares::new(plan), constants }
         }
 
         fn push(&mut self, y: f32, u1: f32, u2: f32) -> Option<Vec<f32>> {
@@ -213,13 +162,6 @@ mod tests {
         // Levels from the sample (4, 40, −3): y₁ = 2 − 4, y₁−y₂ = 1 (×2), u₁ = 20 − 40 (×½), u₁−u₂ = 10, w₁ = 0 (×4),
         // 1, target 4 − 2 (×8)
         assert_eq!(lags.push(4.0, 40.0, -3.0), Some(vec![-2.0, 2.0, -10.0, 10.0, 0.0, 1.0, 16.0]));
-    }
-
-    #[test]
-    fn the_limit_of_outliers_is_in_units_of_the_target() {
-        let Stream { plan, mut constants, .. } = Stream::new(Structure::new(1, 1, 0, 1, 0));
-        (constants.scale, constants.huber, constants.deviation) = (vec![1.0, 1.0, 8.0], 3.0, 0.25);
-        assert_eq!(nominal(plan, &constants).threshold, 6.0);
     }
 
     #[test]
@@ -282,41 +224,6 @@ mod tests {
     }
 
     #[test]
-    fn an_outlier_weighs_less() {
-        let mut lags = Stream::new(Structure::new(1, 1, 0, 1, 0));
-        (lags.constants.huber, lags.constants.deviation) = (2.0, 0.5);
-        lags.rows = Squares::new(lags.plan, &lags.constants);
-        lags.push(0.0, 0.0, 0.0);
-        // The nominal model is zero, so the residual is Δy; the threshold is 1.
-        let mut weight = |y: f32| {
-            let row = lags.rows.push(lags.plan, &lags.constants, Inputs { y, u1: 0.0, u2: 0.0 });
-            row.map(|row| row.weight)
-        };
-        assert_eq!([weight(0.5), weight(1.5), weight(5.5)], [Some(1.0), Some(1.0), Some(0.25)]);
-    }
-
-    /// Signals far from zero, of the nominal model itself: what the origin removes from the levels is in the
-    /// prediction.
-    #[test]
-    fn rows_of_the_nominal_model_weigh_fully_far_from_zero() {
-        let mut lags = Stream::new(Structure::new(1, 1, 1, 1, 1).with_offset());
-        lags.constants.scale = vec![2.0, 4.0, 8.0, 1.0, 16.0];
-        lags.constants.nominal = vec![-0.5, 0.25, 0.125, 3.0];
-        // The threshold is 0.03 of the scaled target, a hundred times what numbers of a hundred round to.
-        (lags.constants.huber, lags.constants.deviation) = (2.0, 1e-3);
-        lags.rows = Squares::new(lags.plan, &lags.constants);
-        let (mut y, mut given) = (20.0, 0);
-        for t in 0..50_u8 {
-            let (u1, u2) = (40.0 + f32::from(t % 3), -30.0 + f32::from(t % 5));
-            let row = lags.rows.push(lags.plan, &lags.constants, Inputs { y, u1, u2 });
-            given += usize::from(row.is_some());
-            assert!(row.is_none_or(|row| row.weight >= 1.0), "{t}");
-            y += -0.5 * y + 0.25 * u1 + 0.125 * u2 + 3.0;
-        }
-        assert_eq!(given, 49);
-    }
-
-    #[test]
     fn the_origin_of_a_fading_memory_stays_and_that_of_segments_moves() {
         for (memory, later) in [(Memory::Segment, 50.0), (Memory::Fading, 5.0)] {
             let structure = Structure::new(0, 1, 0, 0, 0).with_offset();
@@ -324,13 +231,13 @@ mod tests {
             let plan = RunTime::of(layout).unwrap();
             let mut constants = Regression::new(plan);
             constants.scale = vec![1.0, 1.0, 8.0];
-            let mut rows = Squares::new(plan, &constants);
+            let mut rows = Squares::new(plan);
             rows.push(plan, &constants, Inputs { y: 5.0, u1: 1.0, u2: 0.0 });
             // The target is y itself, less its level.
-            assert_eq!((rows.origin, rows.shift), ([5.0, 1.0, 0.0], -5.0 * 8.0), "{memory:?}");
-            rows.next_segment(plan, &constants);
+            assert_eq!(rows.origin, [5.0, 1.0, 0.0], "{memory:?}");
+            rows.next_segment();
             rows.push(plan, &constants, Inputs { y: 50.0, u1: 1.0, u2: 0.0 });
-            assert_eq!((rows.origin, rows.shift), ([later, 1.0, 0.0], -later * 8.0), "{memory:?}");
+            assert_eq!(rows.origin, [later, 1.0, 0.0], "{memory:?}");
         }
     }
 }

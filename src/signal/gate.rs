@@ -35,7 +35,7 @@ impl ChannelSet {
     }
 }
 
-/// Samples, rows and channels of a segment that were refused or weighted less.
+/// Samples, rows and channels of a segment that were refused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
@@ -43,13 +43,11 @@ pub struct Counts {
     pub rejected: u32,
     /// Samples with a saturated sensor and no rejected channel.
     pub saturated: u32,
-    /// Rows with a reduced weight because their residual was large.
-    pub downweighted: u32,
     /// Rows that fading memory ignored because the inputs hardly changed.
     pub resting: u32,
     /// Channels that were stuck at some time of the segment.
     pub stuck: ChannelSet,
-    /// Segments in a row, before this one, whose model could not serve as auxiliary model.
+    /// Segments in a row, before this one, whose model could not serve as auxiliary model; 0 by least squares.
     pub refused: u8,
 }
 

@@ -47,7 +47,7 @@
 //! kind 1    report   segment u32, verdict u8, detail u8, place u8, rows u32 (of the reason),
 //!                    distance f32, distance_surprise f32, surprise f32, score f32,
 //!                    alarm u8, cause u8, segment u32 (of the alarm), undetermined u32, rows u32,
-//!                    rejected u32, saturated u32, downweighted u32, resting u32, stuck u16, refused u8,
+//!                    rejected u32, saturated u32, resting u32, stuck u16, refused u8,
 //!                    classes u8, features u8, orders u8, rising u8, most u8 (255: none), falls u8 (0 or 1);
 //!                    posterior f32 of each class, value f32 of each feature, score f32 of each order,
 //!                    smallest f32 of each rising coordinate;

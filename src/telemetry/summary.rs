@@ -33,8 +33,6 @@ struct Fields {
     #[serde(with = "postcard::fixint::le")]
     saturated: u32,
     #[serde(with = "postcard::fixint::le")]
-    downweighted: u32,
-    #[serde(with = "postcard::fixint::le")]
     resting: u32,
     #[serde(with = "postcard::fixint::le")]
     stuck: u16,
@@ -70,7 +68,7 @@ pub struct Summary<'a> {
     pub undetermined: u32,
     /// Rows of the regression; in a plan without one, usable samples.
     pub rows: u32,
-    /// Samples, rows and channels of the segment that were refused or weighted less.
+    /// Samples, rows and channels of the segment that were refused.
     pub counts: Counts,
     /// Posterior of each class; none without a verdict.
     pub posteriors: Numbers<'a>,
@@ -99,7 +97,7 @@ pub(super) fn write<P: Plan>(
 ) -> Result<(), TooSmall> {
     let (layout, decision) = (model.plan().layout(), report.decision.as_ref());
     let (segment, undetermined) = evidence.segments();
-    let Counts { rejected, saturated, downweighted, resting, stuck, refused } = report.counts;
+    let Counts { rejected, saturated, resting, stuck, refused } = report.counts;
     let most = decision.and_then(|decision| decision.most);
     sink.fields(&Fields {
         segment,
@@ -113,7 +111,6 @@ pub(super) fn write<P: Plan>(
         rows: report.rows,
         rejected,
         saturated,
-        downweighted,
         resting,
         stuck: stuck.0,
         refused,
@@ -141,7 +138,7 @@ impl<'a> Summary<'a> {
     /// From fields and lists; `None` if they do not fit.
     pub(super) fn read(bytes: &'a [u8]) -> Option<Self> {
         let (fields, bytes): (Fields, _) = split(bytes)?;
-        let Fields { rejected, saturated, downweighted, resting, stuck, refused, .. } = fields;
+        let Fields { rejected, saturated, resting, stuck, refused, .. } = fields;
         let list = |bytes: &'a [u8], count: u8| bytes.split_at_checked(4 * usize::from(count));
         let (posteriors, bytes) = list(bytes, fields.classes)?;
         let (features, bytes) = list(bytes, fields.features)?;
@@ -158,7 +155,7 @@ impl<'a> Summary<'a> {
             alarm: fields.alarm.alarm()?,
             undetermined: fields.undetermined,
             rows: fields.rows,
-            counts: Counts { rejected, saturated, downweighted, resting, stuck: ChannelSet(stuck), refused },
+            counts: Counts { rejected, saturated, resting, stuck: ChannelSet(stuck), refused },
             posteriors: Numbers(posteriors),
             features: Numbers(features),
             order_scores: Numbers(order_scores),

@@ -171,7 +171,7 @@ impl<P: Plan, F> Watch<P, F> {
         }
         let now = main.monitor.advance()?;
         main.verdicts = main.verdicts.wrapping_add(u32::from(!matches!(now.report.verdict, Verdict::Undetermined(_))));
-        // For instrumental variables, and for weights of outliers.
+        // For instrumental variables.
         self.collector.with(|collector| collector.detector.adopt(now.report));
         Some(tell(now))
     }

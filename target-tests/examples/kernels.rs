@@ -127,8 +127,8 @@ fn triangle<const M: usize, const P: usize>() {
     let mut forgetting = plain.clone();
     for _ in 0..200 {
         let row: [f32; M] = numbers.array();
-        plain.update(&row, 1.0);
-        forgetting.update_forgetting(&row, 1.0, Forgetting { lambda: 0.98, floor: 0.5 });
+        plain.update(&row);
+        forgetting.update_forgetting(&row, Forgetting { lambda: 0.98, floor: 0.5 });
     }
     for triangle in [&plain, &forgetting] {
         let (d, r) = triangle.parts();

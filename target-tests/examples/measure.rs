@@ -94,14 +94,14 @@ fn updates<const M: usize, const P: usize>(counter: &mut Counter, name: &str, n:
     let forgetting = black_box(Forgetting { lambda: 0.9999, floor: 100.0 });
     let with = counter.instructions_per_call(CALLS, |_| {
         if let Some(row) = black_box(next.next()) {
-            triangle.update_forgetting(row, 1.0, forgetting);
+            triangle.update_forgetting(row, forgetting);
         }
         black_box(&mut triangle);
     });
     report(name, n, with - overhead, size_of_val(&triangle));
     let plain = counter.instructions_per_call(CALLS, |_| {
         if let Some(row) = black_box(next.next()) {
-            triangle.update(row, 1.0);
+            triangle.update(row);
         }
         black_box(&mut triangle);
     });
@@ -121,8 +121,7 @@ fn estimator<P: Plan>(
 ) {
     let plan = model.plan();
     let Some(own) = model.constants().regression.part() else { return };
-    let guarded: Regression<P> = own.clone();
-    let plain = Regression { huber: 0.0, ..guarded.clone() };
+    let constants: Regression<P> = own.clone();
     let mut channels = model.constants().channels.clone();
     let [with, without] = [1000, 0].map(|stuck_samples| {
         if let Some(first) = channels.cells_mut().first_mut() {
@@ -132,9 +131,8 @@ fn estimator<P: Plan>(
     });
     let mut plant = refined::Plant::new(2);
     let samples: [P::Sample; 256] = core::array::from_fn(|_| convert(plant.sample()));
-    let kinds = [(&without, &plain, "sample"), (&with, &guarded, "sample, stuck sensor and outliers told")];
-    for (channels, constants, what) in kinds {
-        let mut alone = RecursiveEstimator::new(plan, black_box(channels), black_box(constants));
+    for (channels, what) in [(&without, "sample"), (&with, "sample, stuck sensor told")] {
+        let mut alone = RecursiveEstimator::new(plan, black_box(channels), black_box(&constants));
         samples.iter().cycle().take(300).for_each(|sample| alone.step(sample));
         let mut next = samples.iter().cycle();
         let mut worst = 0;
@@ -148,10 +146,10 @@ fn estimator<P: Plan>(
         line(format_args!("{name} {what}"), 8, step, Some(size_of_val(&alone)));
         line(format_args!("{name} {what}, worst of 64"), 8, worst, None);
     }
-    let mut alone = RecursiveEstimator::new(plan, &with, &guarded);
+    let mut alone = RecursiveEstimator::new(plan, &with, &constants);
     samples.iter().cycle().take(500).for_each(|sample| alone.step(sample));
     let mut closed = alone.clone().detach();
-    let solve = counter.instructions_once(|| while black_box(&mut closed).advance(black_box(&guarded)).is_none() {});
+    let solve = counter.instructions_once(|| while black_box(&mut closed).advance(black_box(&constants)).is_none() {});
     line(format_args!("{name} solve + covariance"), 8, solve, None);
     if let Some(reason) = alone.estimate().reason {
         say!("no estimate: {reason}");

@@ -388,7 +388,7 @@ macro_rules! regression {
             let constants = Constants {
                 sampling: Sampling { interval_s: 0.001, park: None, block_mean: 3, segment_samples: opaque(40) },
                 channels: refined::CHANNELS,
-                regression: [Regression { huber: 3.0, rest: 0.01, ..Regression::new(Own) }],
+                regression: [Regression { rest: 0.01, ..Regression::new(Own) }],
                 shaft: [],
                 classifier: classifier!(refined::FEATURES),
                 evidence: EvidenceConstants::NONE,

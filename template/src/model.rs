@@ -62,9 +62,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
     regression: [Regression {
         scale: [0.25, 8.0, 8.0, 0.015625, 4.0, 4.0, 0.5, 128.0, 8.0],
         nominal: [-0.025073653, -0.5454843, -0.23068492, 0.019793658, 0.044802044, -0.10855927, 0.040574554, -254.76308],
-        deviation: 0.07654001,
         forgetting: Forgetting { lambda: 0.9999, floor: 99.983406 },
-        huber: 0.0,
         rest: 2.2836442e-8,
         settle: 100,
         handover: 0,

@@ -47,9 +47,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
     regression: [Regression {
         scale: [0.5, 2.0, 0.03125, 8.0, 16.0, 2.0],
         nominal: [-0.23479089, -0.10691832, 0.0005428808, 4.6737494, -2.7820897],
-        deviation: 0.27767652,
         forgetting: Forgetting { lambda: 0.9999, floor: 99.983406 },
-        huber: 0.0,
         rest: 0.00036989263,
         settle: 100,
         handover: 0,

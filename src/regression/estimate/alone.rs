@@ -59,8 +59,8 @@ impl<'m, P: Plan> RecursiveEstimator<'m, P> {
     /// What was refused in the open segment.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        let (downweighted, resting, refused) = self.estimator.counts(&self.sums);
-        Counts { downweighted, resting, refused, ..self.gate.counts }
+        let (resting, refused) = self.estimator.counts(&self.sums);
+        Counts { resting, refused, ..self.gate.counts }
     }
 
     /// The open segment as if it were closed; no estimate if a channel is stuck.
@@ -91,7 +91,7 @@ impl<'m, P: Plan> RecursiveEstimator<'m, P> {
     /// Closes the segment and solves it; its estimate becomes the next auxiliary model.
     pub fn close(&mut self) -> Estimate<P> {
         let estimate = self.estimate();
-        self.estimator.offer(self.plan, self.constants, &estimate);
+        self.estimator.offer(self.plan, &estimate);
         self.next_segment();
         estimate
     }
@@ -112,7 +112,7 @@ impl<'m, P: Plan> RecursiveEstimator<'m, P> {
 
     /// Offers an estimate as the next auxiliary model.
     pub fn adopt(&mut self, estimate: &Estimate<P>) -> bool {
-        self.estimator.adopt(self.plan, self.constants, estimate)
+        self.estimator.adopt(self.plan, estimate)
     }
 
     /// Starts afresh.

@@ -44,8 +44,7 @@ pub struct RegressionSums<P: Plan> {
     pub count: u32,
     /// Sum of the rows' motion.
     motion: f32,
-    /// Rows of less weight, and rows that fading memory ignored.
-    downweighted: u32,
+    /// Rows that fading memory ignored.
     resting: u32,
     at_rest: bool,
     segment: SegmentNumber,
@@ -90,9 +89,6 @@ impl<P: Plan> Estimator<P> {
         if sums.count >= longest(memory) && memory != Memory::Fading {
             return;
         }
-        if row.weight < 1.0 {
-            sums.downweighted = sums.downweighted.saturating_add(1);
-        }
         if sums.sums.add(memory, &row, constants.forgetting, constants.rest) {
             sums.count = sums.count.saturating_add(1);
             sums.motion += row.motion;
@@ -108,10 +104,10 @@ impl<P: Plan> Estimator<P> {
         self.rows.flush(plan);
     }
 
-    /// Rows of less weight, rows that fading memory ignored, and segments in a row without a new auxiliary model.
+    /// Rows that fading memory ignored, and segments in a row without a new auxiliary model.
     #[must_use]
-    pub fn counts(&self, sums: &RegressionSums<P>) -> (u32, u32, u8) {
-        (sums.downweighted, sums.resting, self.rows.refused())
+    pub fn counts(&self, sums: &RegressionSums<P>) -> (u32, u8) {
+        (sums.resting, self.rows.refused())
     }
 
     /// Completes the sums of the segment for a solve; below the motion `rest` the inputs count as at rest.
@@ -127,16 +123,16 @@ impl<P: Plan> Estimator<P> {
     /// Offers an estimate of the segment that was closed last as auxiliary model, to take over at the handover. Returns
     /// `false`, and does nothing, if that is past, if it is the estimate of another segment, or if its model is not
     /// stable.
-    pub fn adopt(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
+    pub fn adopt(&mut self, plan: P, estimate: &Estimate<P>) -> bool {
         let in_time = self.segment.follows(estimate.segment) && self.rows.awaits();
-        in_time && self.offer(plan, constants, estimate)
+        in_time && self.offer(plan, estimate)
     }
 
     /// Offers the estimate of the open segment, before it is closed.
-    pub fn offer(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
+    pub fn offer(&mut self, plan: P, estimate: &Estimate<P>) -> bool {
         let good = estimate.reason.is_none() && estimate.stable;
         if good {
-            self.rows.offer(plan, constants, estimate.delta(), libm::sqrtf(estimate.variance));
+            self.rows.offer(plan, estimate.delta());
         }
         good
     }
@@ -162,7 +158,6 @@ impl<P: Plan> RegressionSums<P> {
             frame: Frame::of_zeros(plan),
             count: 0,
             motion: 0.0,
-            downweighted: 0,
             resting: 0,
             at_rest: false,
             segment: SegmentNumber::FIRST,
@@ -197,7 +192,7 @@ impl<P: Plan> RegressionSums<P> {
     }
 
     const fn start(&mut self) {
-        (self.count, self.motion, self.downweighted, self.resting) = (0, 0.0, 0, 0);
+        (self.count, self.motion, self.resting) = (0, 0.0, 0);
     }
 
     /// δ-parameters whose prediction was subtracted from the target column.

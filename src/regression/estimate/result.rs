@@ -16,8 +16,8 @@ pub struct Estimate<P: Plan> {
     /// Lower triangle packed by rows.
     pub(crate) covariance: Array<P::Covariance, f32>,
     /// Residual variance σ², in the unit of y squared: of the equation error by least squares, of the output error by
-    /// instrumental variables. Rows of less weight count with their weight. With fading memory and instruments it is
-    /// correct once the rows of earlier auxiliary models have faded.
+    /// instrumental variables. With fading memory and instruments it is correct once the rows of earlier auxiliary
+    /// models have faded.
     pub variance: f32,
     /// Number of rows of the estimate; with fading memory the equivalent number of rows of full weight.
     pub rows: u32,

@@ -78,14 +78,8 @@ pub fn rotate_pivot_small(di: &mut f32, ri: &mut [f32], xi: f32, later: &mut [f3
 }
 
 /// Rotates a row of any number of columns.
-pub fn rotate_loop<const FORGET: bool>(
-    d: &mut [f32],
-    r: &mut [f32],
-    x: &mut [f32],
-    weight: f32,
-    forgetting: Forgetting,
-) {
-    let (mut x, mut r, mut w) = (x, r, weight);
+pub fn rotate_loop<const FORGET: bool>(d: &mut [f32], r: &mut [f32], x: &mut [f32], forgetting: Forgetting) {
+    let (mut x, mut r, mut w) = (x, r, 1.0);
     for di in d {
         let Some((xi, later)) = x.split_first_mut() else { return };
         let Some((ri, below)) = r.split_at_mut_checked(later.len()) else { return };
@@ -104,11 +98,10 @@ macro_rules! straight_line {
                 d: &mut [f32; $m],
                 r: &mut [f32; $m * ($m - 1) / 2],
                 row: &[f32; $m],
-                weight: f32,
                 forgetting: Forgetting,
             ) {
                 let mut x = *row;
-                let mut w = weight;
+                let mut w = 1.0;
                 pivots!($m d r x w forgetting; $($i)+);
             }
         )+
@@ -120,7 +113,6 @@ macro_rules! straight_line {
             d: &mut [f32],
             r: &mut [f32],
             row: &[f32],
-            weight: f32,
             forgetting: Forgetting,
         ) -> bool {
             match d.len() {
@@ -128,7 +120,7 @@ macro_rules! straight_line {
                     let (Ok(d), Ok(r), Ok(row)) = (d.try_into(), r.try_into(), row.try_into()) else {
                         return false;
                     };
-                    $name::<FORGET>(d, r, row, weight, forgetting);
+                    $name::<FORGET>(d, r, row, forgetting);
                     true
                 })+
                 _ => false,

@@ -88,7 +88,7 @@ impl<P: Plan> Sums<P> {
     #[inline(always)]
     pub fn add(&mut self, memory: Memory, row: &Row<'_>, forgetting: Forgetting, rest: f32) -> bool {
         match memory {
-            Memory::Segment => self.sum.update(row.cells, row.weight),
+            Memory::Segment => self.sum.update(row.cells),
             Memory::Fading => return self.add_fading(row, forgetting, rest),
         }
         true
@@ -126,7 +126,7 @@ impl<P: Plan> Sums<P> {
             // While the memory fills, the floor would act as a prior that outweighs the rows.
             let filling = self.faded_rows * (1.0 - lambda) < FULL;
             let floor = if filling { PRIOR } else { forgetting.floor };
-            self.sum.update_forgetting(row.cells, row.weight, Forgetting { floor, ..forgetting });
+            self.sum.update_forgetting(row.cells, Forgetting { floor, ..forgetting });
             self.faded_rows = self.faded_rows * lambda + 1.0;
             if filling && self.faded_rows * (1.0 - lambda) >= FULL {
                 self.fill();
@@ -219,7 +219,7 @@ mod tests {
     const FORGETTING: Forgetting = Forgetting { lambda: 0.999, floor: 10.0 };
 
     fn add<P: Plan>(sums: &mut Sums<P>, memory: Memory, (cells, motion): ([f32; 3], f32)) -> bool {
-        sums.add(memory, &Row { cells: &cells, weight: 1.0, motion }, FORGETTING, 0.01)
+        sums.add(memory, &Row { cells: &cells, motion }, FORGETTING, 0.01)
     }
 
     #[test]

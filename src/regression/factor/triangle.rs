@@ -2,7 +2,7 @@
 //!
 //! Enters: rows `x` of `m` columns, target last. Leaves: the factor of `XᵀX = Rᵀ D R` (R unit upper triangular).
 //!
-//! One row x of weight w, for i = 0 … m−1 (Gentleman's Givens rotation without square roots, innovation form):
+//! One row x, from w = 1, for i = 0 … m−1 (Gentleman's Givens rotation without square roots, innovation form):
 //!
 //! ```text
 //! l = λ dᵢ;   q = w xᵢ;   d = max(l + q xᵢ, δ) (δ = 0 in the last row);   s = q/d;   w ← w l/d;   dᵢ ← d              (1)
@@ -26,8 +26,6 @@ use crate::plan::Cells;
 pub struct Row<'a> {
     /// Scaled columns, target last.
     pub cells: &'a [f32],
-    /// Weight in 0 … 1: below one for an outlier.
-    pub weight: f32,
     /// (Δu1)² + (Δu2)², scaled as the levels are; by instrumental variables of the prefiltered inputs.
     pub motion: f32,
 }
@@ -57,25 +55,25 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
         self.r.cells_mut().fill(0.0);
     }
 
-    /// Rotates in one row of a weight w in 0 … 1 with λ = 1: it counts as w rows.
+    /// Rotates in one row with λ = 1.
     #[inline]
-    pub fn update(&mut self, row: &[f32], weight: f32) {
-        self.rotate::<false>(row, weight, NEVER);
+    pub fn update(&mut self, row: &[f32]) {
+        self.rotate::<false>(row, NEVER);
     }
 
-    /// Rotates in one row of a weight in 0 … 1, forgetting the earlier ones.
+    /// Rotates in one row, forgetting the earlier ones.
     #[inline]
-    pub fn update_forgetting(&mut self, row: &[f32], weight: f32, forgetting: Forgetting) {
-        self.rotate::<true>(row, weight, forgetting);
+    pub fn update_forgetting(&mut self, row: &[f32], forgetting: Forgetting) {
+        self.rotate::<true>(row, forgetting);
     }
 
     #[inline(always)]
-    fn rotate<const FORGET: bool>(&mut self, row: &[f32], weight: f32, forgetting: Forgetting) {
+    fn rotate<const FORGET: bool>(&mut self, row: &[f32], forgetting: Forgetting) {
         let (d, r) = (self.d.cells_mut(), self.r.cells_mut());
-        let straight = D::STRAIGHT && kernels::rotate_straight::<FORGET>(d, r, row, weight, forgetting);
+        let straight = D::STRAIGHT && kernels::rotate_straight::<FORGET>(d, r, row, forgetting);
         if !straight {
             let mut x = D::from_fn(d.len(), |k| row.get(k).copied().unwrap_or(0.0));
-            kernels::rotate_loop::<FORGET>(d, r, x.cells_mut(), weight, forgetting);
+            kernels::rotate_loop::<FORGET>(d, r, x.cells_mut(), forgetting);
         }
     }
 
@@ -127,8 +125,8 @@ mod tests {
     fn two_columns_by_hand() {
         // XᵀX of the rows [1 2], [3 6]: d = 10, r = 2, residual 0.
         let mut triangle = Small::<2, 1>::new(2);
-        triangle.update(&[1.0, 2.0], 1.0);
-        triangle.update(&[3.0, 6.0], 1.0);
+        triangle.update(&[1.0, 2.0]);
+        triangle.update(&[3.0, 6.0]);
         let (d, r) = triangle.parts();
         // Roundings of numbers near ten, and the prior.
         assert!((d[0] - 10.0).abs() < 1e-5 && (r[0] - 2.0).abs() < 1e-6 && d[1].abs() < 1e-6, "{triangle:?}");
@@ -146,10 +144,10 @@ mod tests {
         let (mut d, mut r) = ([PRIOR; M], [0.0; P]);
         let (mut d_forget, mut r_forget) = (d, r);
         for row in rows::<M>(50) {
-            fast.update(&row, 1.0);
-            fast_forget.update_forgetting(&row, 1.0, forgetting);
-            kernels::rotate_loop::<false>(&mut d, &mut r, &mut row.clone(), 1.0, NEVER);
-            kernels::rotate_loop::<true>(&mut d_forget, &mut r_forget, &mut row.clone(), 1.0, forgetting);
+            fast.update(&row);
+            fast_forget.update_forgetting(&row, forgetting);
+            kernels::rotate_loop::<false>(&mut d, &mut r, &mut row.clone(), NEVER);
+            kernels::rotate_loop::<true>(&mut d_forget, &mut r_forget, &mut row.clone(), forgetting);
             let (mut x, mut w) = (row, 1.0);
             let mut start = 0;
             for i in 0..M {
@@ -182,13 +180,13 @@ mod tests {
         let mut triangle = Small::<2, 1>::new(2);
         for [x, e] in rows::<2>(100_000) {
             let y = 2.0 * x + 1e-3 * e;
-            triangle.update_forgetting(&[x, y], 1.0, Forgetting { lambda: 0.999, floor: 10.0 });
+            triangle.update_forgetting(&[x, y], Forgetting { lambda: 0.999, floor: 10.0 });
         }
         // A thousand effective rows of variance (1e-3)²/3.
         let variance = triangle.d[1] / 1000.0;
         assert!((variance / 3.3e-7 - 1.0).abs() < 0.2, "{variance}"); // χ² of a thousand: sd 4.5 %
         for _ in 0..100_000 {
-            triangle.update_forgetting(&[0.0, 0.0], 1.0, Forgetting { lambda: 0.999, floor: 10.0 });
+            triangle.update_forgetting(&[0.0, 0.0], Forgetting { lambda: 0.999, floor: 10.0 });
         }
         assert!(triangle.d[0] == 10.0 && (triangle.r[0] - 2.0).abs() < 1e-3);
     }
@@ -196,7 +194,7 @@ mod tests {
     #[test]
     fn reset_is_a_new_triangle() {
         let mut triangle = Small::<3, 3>::new(3);
-        triangle.update(&[1.0, 2.0, 3.0], 1.0);
+        triangle.update(&[1.0, 2.0, 3.0]);
         triangle.reset();
         assert_eq!(triangle, Small::new(3));
     }

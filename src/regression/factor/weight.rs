@@ -21,7 +21,7 @@ pub struct Forgetting {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mass {
-    /// Σλᵏ: the equivalent number of rows of full weight. Reduced weights of outliers are not included.
+    /// Σλᵏ: the equivalent number of rows of full weight.
     pub rows: f32,
     /// Σλ²ᵏ/Σλᵏ: the factor by which fading changes a covariance.
     pub spread: f32,

@@ -114,31 +114,6 @@ fn levels_and_constant_leave_no_prediction_error() {
 }
 
 #[test]
-fn the_limit_of_outliers_is_that_of_the_output_times_the_gain() {
-    let mut constants = constants(0.5);
-    constants.nominal[0] = -0.25;
-    (constants.huber, constants.deviation) = (2.0, 0.5);
-    assert_eq!(nominal(plan(), &constants).threshold, 0.25);
-}
-
-#[test]
-fn an_outlier_weighs_less() {
-    // As above, with the filter t = [−1, 0]: the prediction error is that of the simulated output, its gain 1.
-    let mut constants = constants(0.5);
-    constants.nominal.copy_from_slice(&[-1.0, 0.0, 0.5, 0.0, 0.25]);
-    (constants.huber, constants.deviation, constants.settle) = (2.0, 0.25, 0);
-    let mut rows = Instruments::new(plan(), &constants);
-    let (mut light, mut full) = (0, 0);
-    for t in 0..60 {
-        let row = rows.push(plan(), &constants, inputs(t), 100.0).map(|row| (row.weight, row.cells[7]));
-        let Some((weight, error)) = row.filter(|_| t > 10) else { continue };
-        assert_eq!(weight, if error.abs() > 0.5 { 0.5 / error.abs() } else { 1.0 }, "{t}: {error}");
-        (light, full) = (light + usize::from(error.abs() > 0.5), full + usize::from(error.abs() <= 0.5));
-    }
-    assert!(light > 5 && full > 5, "{light} {full}");
-}
-
-#[test]
 fn an_exploding_simulation_starts_anew() {
     // Stable, but the gain of u1 is absurd: the simulated output leaves every bound.
     let wild = constants(1e30);

@@ -205,7 +205,6 @@ fn regression(dice: &mut Dice, plan: AnyPlan, layout: &RegressionLayout) -> Regr
     let nominal = constants.nominal.cells_mut();
     nominal.iter_mut().zip(t).for_each(|(cell, t)| *cell = *t);
     nominal.iter_mut().skip(na as usize).take((nb + nc) as usize).for_each(|cell| *cell = 0.3 * dice.unit());
-    (constants.deviation, constants.huber) = (0.2, one_of(dice, [0.0, 3.0]));
     (constants.settle, constants.handover) = (dice.below(20) as u16, dice.below(30) as u16);
     if layout.memory == Memory::Fading {
         (constants.forgetting, constants.rest) = (Forgetting { lambda: 0.995, floor: 1.0 }, 1e-4);

@@ -58,9 +58,7 @@ pub static MODEL: Model<Directed> = match Directed::model(Constants {
     regression: [Regression {
         scale: [1.0; 3],
         nominal: [-0.2, 0.5],
-        deviation: 0.0,
         forgetting: Forgetting { lambda: 0.999, floor: 10.0 },
-        huber: 0.0,
         rest: 0.0,
         settle: 10,
         handover: 5,

@@ -31,9 +31,9 @@ pub fn run<P: Plan>(model: &Model<P>, mut sample: impl FnMut() -> P::Sample) {
 
 fn triangle() {
     let mut triangle = opaque(Triangle::<[f32; 4], [f32; 6]>::new(4));
-    Triangle::update(&mut triangle, &opaque([1.0, 0.5, 0.25, 2.0]), opaque(1.0));
+    Triangle::update(&mut triangle, &opaque([1.0, 0.5, 0.25, 2.0]));
     let forgetting = opaque(Forgetting { lambda: 0.999, floor: 10.0 });
-    Triangle::update_forgetting(&mut triangle, &opaque([1.0, 0.5, 0.25, 2.0]), opaque(1.0), forgetting);
+    Triangle::update_forgetting(&mut triangle, &opaque([1.0, 0.5, 0.25, 2.0]), forgetting);
     opaque((Triangle::columns(&triangle), Triangle::is_finite(&triangle), Triangle::parts(&triangle)));
     opaque(Triangle::parts_mut(&mut triangle));
     Triangle::reset(&mut triangle);

@@ -162,9 +162,7 @@ pub static MODEL: Model<Watched> = match Watched::model(Constants {
     regression: [Regression {
         scale: [1.0, 2.0, 0.031_25, 0.5, 0.5, 4.0, 4.0, 4.0, 2.0],
         nominal: [-0.5, 0.2, 0.01, 0.1, 0.0, 10.0, 0.0, 0.0],
-        deviation: 0.3,
         forgetting: FORGETTING,
-        huber: 0.0,
         rest: 1e-6,
         settle: 100,
         handover: 0,

@@ -36,9 +36,7 @@ pub static MODEL: Model<Squares> = match Squares::model(Constants {
     regression: [Regression {
         scale: [1.0, 2.0, 2.0, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0],
         nominal: NOMINAL,
-        deviation: 0.3,
         forgetting: FORGETTING,
-        huber: 6.0,
         rest: 0.0,
         settle: 40,
         handover: 0,

@@ -129,7 +129,7 @@ fn regression<P: Plan>(plan: P, layout: &RegressionLayout) -> Regression<P> {
     nominal.iter_mut().zip(t).for_each(|(cell, t)| *cell = 1.1 * t);
     let inputs = nominal.iter_mut().skip(na as usize).take((nb + nc) as usize);
     inputs.zip([0.5, -0.2, 0.25, 0.1, -0.1, 0.05]).for_each(|(cell, gain)| *cell = gain);
-    (constants.deviation, constants.huber, constants.settle, constants.handover) = (0.2, 4.0, 50, 20);
+    (constants.settle, constants.handover) = (50, 20);
     if layout.memory == Memory::Fading {
         (constants.forgetting, constants.rest) = (Forgetting { lambda: 0.999, floor: 1.0 }, 1e-4);
     }
@@ -175,8 +175,8 @@ fn outcome<P: Three>(plan: P, way: Way) -> Outcome {
 }
 
 fn add<P: Plan>(hash: &mut Hash, estimate: &Estimate<P>, counts: Counts) {
-    let Counts { rejected, saturated, downweighted, resting, refused, .. } = counts;
-    hash.add(&[rejected, saturated, downweighted, resting, u32::from(refused)].map(f32::from_bits));
+    let Counts { rejected, saturated, resting, refused, .. } = counts;
+    hash.add(&[rejected, saturated, resting, u32::from(refused)].map(f32::from_bits));
     match estimate.reason {
         None => hash.add_estimate(estimate),
         // Which reason is told by the verdicts of other examples; here that there is one.

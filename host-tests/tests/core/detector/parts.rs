@@ -61,15 +61,13 @@ pub fn recording() -> Vec<Motion> {
     motions(&trace(DefectKind::Spall, 77_777), 14)
 }
 
-/// The regression of the exported model, with outliers weighed by the model of the segment before.
+/// The regression of the exported model, with a handover.
 fn regression<P: Plan>(plan: P) -> Regression<P> {
     let own = &MODEL.constants().regression[0];
     let layout = plan.layout();
     Regression {
         scale: Cells::from_fn(layout.columns(), |k| own.scale.get(k).copied().unwrap_or(1.0)),
         nominal: Cells::from_fn(layout.parameters(), |k| own.nominal[k]),
-        deviation: own.deviation,
-        huber: 3.0,
         rest: own.rest,
         handover: 300,
         ..Regression::new(plan)
@@ -156,8 +154,23 @@ fn a_bad_channel_costs_only_the_part_that_uses_it() {
     assert_eq!((shared.counts.rejected, shared.counts.saturated), (3, 1), "a sample is counted once");
 }
 
-/// Solved with the last sample, as a whole after it, and in steps, one a sample.
-fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::Sample) {
+/// The plan of both parts by instrumental variables, which need an auxiliary model.
+fn refined() -> Model<RunTime> {
+    let layout = Both.layout();
+    let regression = layout.regression.map(|own| RegressionLayout { method: Method::Instruments, ..own });
+    let plan = RunTime::of(Layout { regression, ..layout }).expect("a plan");
+    let mut constants = constants(plan, 5000, &LIMITS, &MIXED, Some(&shaft(plan, lag(0.7))));
+    constants.regression = vec![self::regression(plan)];
+    Model::new(plan, constants).expect("good")
+}
+
+fn values(motion: &Motion) -> RunTimeSample {
+    let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = *motion;
+    RunTimeSample { values: vec![current_a, velocity_rad_s, reference_rad_s, load_nm], angle }
+}
+
+/// Solved with the last sample, as a whole after it, and in steps, one a sample; whether each estimate is adopted.
+fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::Sample, adopts: bool) {
     let mut inline = Detector::new(model);
     let [mut whole, mut steps] = [(); 2].map(|()| Interrupt::new(model));
     let (mut monitor, mut expected, mut count, mut most) = (Monitor::new(model), None, 0, 0);
@@ -165,12 +178,12 @@ fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::
         let sample = sample(motion);
         if let Some(now) = monitor.advance() {
             assert_eq!(Some(now.report), expected.as_ref());
-            assert!(steps.detector.adopt(now.report));
+            assert_eq!(steps.detector.adopt(now.report), adopts);
             (count, most) = (count + 1, most.max(t % 5000));
         }
         let report = inline.step(&sample);
         let concluded = whole.collect(&sample).map(|segment| conclude(model, segment));
-        concluded.iter().for_each(|report| assert!(whole.detector.adopt(report)));
+        concluded.iter().for_each(|report| assert_eq!(whole.detector.adopt(report), adopts));
         assert_eq!(report, concluded);
         if let Some(mut segment) = steps.collect(&sample) {
             monitor.take_from(&mut segment);
@@ -188,34 +201,24 @@ fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::
 
 #[test]
 fn a_deferred_report_has_the_same_bits() {
-    same_in_three_ways(&both(MIXED, |_| ()), all);
-    let layout = Both.layout();
-    let regression = layout.regression.map(|own| RegressionLayout { method: Method::Instruments, ..own });
-    let plan = RunTime::of(Layout { regression, ..layout }).expect("a plan");
-    let mut constants = constants(plan, 5000, &LIMITS, &MIXED, Some(&shaft(plan, lag(0.7))));
-    constants.regression = vec![self::regression(plan)];
-    let sample = |motion: &Motion| {
-        let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = *motion;
-        RunTimeSample { values: vec![current_a, velocity_rad_s, reference_rad_s, load_nm], angle }
-    };
-    same_in_three_ways(&Model::new(plan, constants).expect("good"), sample);
+    same_in_three_ways(&both(MIXED, |_| ()), all, false);
+    same_in_three_ways(&refined(), values, true);
 }
 
 #[test]
 fn a_report_is_adopted_before_the_handover_only() {
-    let model = both(MIXED, |_| ());
-    let stream = recording();
+    let (model, stream) = (refined(), recording());
     let mut adopted = Vec::new();
     for late in [0, 299, 300] {
         let mut detector = Interrupt::new(&model);
-        let segment = stream.iter().find_map(|motion| detector.collect(&all(motion))).expect("a segment");
+        let segment = stream.iter().find_map(|motion| detector.collect(&values(motion))).expect("a segment");
         let report = conclude(&model, segment);
         // A refused sample does not count.
-        let _ = detector.collect(&All { current_a: f32::NAN, ..all(&stream[0]) });
-        stream[..late].iter().for_each(|motion| assert!(detector.collect(&all(motion)).is_none()));
+        let _ = detector.collect(&values(&Motion { current_a: f32::NAN, ..stream[0] }));
+        stream[..late].iter().for_each(|motion| assert!(detector.collect(&values(motion)).is_none()));
         adopted.push(detector.detector.adopt(&report));
         // The next segment needs its own.
-        let rest = stream.iter().cycle().skip(late).find_map(|motion| detector.collect(&all(motion)));
+        let rest = stream.iter().cycle().skip(late).find_map(|motion| detector.collect(&values(motion)));
         assert!(rest.is_some() && !detector.detector.adopt(&report));
     }
     assert_eq!(adopted, [true, true, false]);

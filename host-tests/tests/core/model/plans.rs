@@ -56,7 +56,6 @@ fn model<P: Plan>(plan: P, features: &[Feature], shaft: Option<&ShaftConstants<P
         let scale = |k: usize| if k == n || (1..na).contains(&k) { 16.0 } else { 1.0 };
         regression.scale = Cells::from_fn(plan.layout().columns(), scale);
         regression.nominal = Cells::from_fn(plan.layout().parameters(), nominal);
-        (regression.huber, regression.deviation) = (4.0, 0.1);
         (regression.rest, regression.settle, regression.handover) = (1e-9, 80, 4);
         regression.forgetting.lambda = 0.999;
         regression.forgetting.floor = 1e-3;

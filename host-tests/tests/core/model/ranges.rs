@@ -52,8 +52,6 @@ fn values_out_of_range_are_named() {
     refused(Field::ChannelLimit, |c| c.channels[1].limit = f32::NAN);
     refused(Field::Saturation, |c| c.channels[0].saturation = 1e9);
     refused(Field::StuckSamples, |c| c.channels[0].stuck_samples = 1);
-    refused(Field::OutlierThreshold, |c| c.regression[0].huber = f32::NAN);
-    refused(Field::ResidualDeviation, |c| c.regression[0].deviation = -1.0);
     refused(Field::NominalModel, |c| c.regression[0].nominal[2] = f32::NAN);
     refused(Field::RestThreshold, |c| c.regression[0].rest = -1.0);
     refused(Field::LimitTimesScale, |c| (c.channels[0].limit, c.channels[0].saturation) = (1e18, 1e18));
@@ -74,8 +72,6 @@ fn values_out_of_range_are_named() {
     // Numbers that training does not give, and whose squares or exponentials leave the range of f32.
     refused(Field::SamplingInterval, |c| c.sampling.interval_s = 1e30);
     refused(Field::NominalModel, |c| c.regression[0].nominal[0] = 1e30);
-    refused(Field::ResidualDeviation, |c| c.regression[0].deviation = 1e30);
-    refused(Field::OutlierThreshold, |c| c.regression[0].huber = 1e30);
     refused(Field::RestThreshold, |c| c.regression[0].rest = 1e30);
     refused(Field::Projection, |c| c.classifier.projection.matrix[3] = -1e30);
     refused(Field::Projection, |c| c.classifier.projection.mean[1] = 1e30);

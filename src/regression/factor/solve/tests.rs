@@ -36,7 +36,7 @@ fn two_parameters_by_hand() {
     // 3 [2 −1; −1 2]/3.
     let mut triangle = Triangle::<[f32; 3], [f32; 3]>::new(3);
     for row in [[1.0, 0.0, 3.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]] {
-        triangle.update(&row, 1.0);
+        triangle.update(&row);
     }
     let (d, r) = triangle.parts();
     let (theta, covariance, variance) = run(&problem(d, r, 3.0)).unwrap();
@@ -49,7 +49,7 @@ fn two_parameters_by_hand() {
 fn scales_convert_parameters_and_covariance() {
     let mut triangle = Triangle::<[f32; 3], [f32; 3]>::new(3);
     for [a, b, y] in [[1.0, 0.0, 3.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]] {
-        triangle.update(&[2.0 * a, 0.5 * b, 4.0 * y], 1.0);
+        triangle.update(&[2.0 * a, 0.5 * b, 4.0 * y]);
     }
     let (d, r) = triangle.parts();
     let scaled = Case { scale: &[2.0, 0.5, 4.0], ..problem(d, r, 3.0) };
@@ -64,7 +64,7 @@ fn few_rows_and_dependent_columns_are_errors() {
     let mut triangle = Triangle::<[f32; 3], [f32; 3]>::new(3);
     assert_eq!(run(&problem(triangle.parts().0, triangle.parts().1, 9.0)), Err(SolveError::NotExcited(0)));
     for x in [1.0, -2.0, 0.5, 3.0] {
-        triangle.update(&[x, 2.0 * x, x * x], 1.0);
+        triangle.update(&[x, 2.0 * x, x * x]);
     }
     let (d, r) = triangle.parts();
     assert_eq!(run(&problem(d, r, 4.0)), Err(SolveError::NotExcited(1)));
@@ -78,7 +78,7 @@ fn instruments_by_hand() {
     let rows = [[1.0, 0.5, 0.7], [-0.5, 1.0, 0.9], [0.25, -1.0, -1.2], [1.0, 1.0, 1.3], [-1.0, 0.5, 0.2]];
     let mut triangle = Triangle::<[f32; 4], [f32; 6]>::new(4);
     for [u, z, y] in rows {
-        triangle.update(&[u, z, y, 2.0 * y - u], 1.0);
+        triangle.update(&[u, z, y, 2.0 * y - u]);
     }
     let (d, r) = triangle.parts();
     let instrumental = Case { inputs: 1, outputs: 1, ..problem(d, r, 50.0) };
@@ -88,7 +88,7 @@ fn instruments_by_hand() {
     let mut unrelated = Triangle::<[f32; 4], [f32; 6]>::new(4);
     for (k, [u, z, _]) in rows.into_iter().cycle().take(40).enumerate() {
         let y = if k % 2 == 0 { 1.0 } else { -1.0 };
-        unrelated.update(&[u, z, y, y], 1.0);
+        unrelated.update(&[u, z, y, y]);
     }
     let (d, r) = unrelated.parts();
     let weak = Case { d, r, mass: Mass { rows: 40.0, spread: 1.0 }, ..instrumental };
@@ -104,7 +104,7 @@ fn the_variance_with_instruments_is_that_of_all_rows() {
     let (mut zy, mut zu, mut uy, mut uu, mut zt, mut ut) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     for ([u, z, y], e) in rows.into_iter().zip(errors) {
         let t = 2.0 * y - u + e;
-        triangle.update(&[u as f32, z as f32, y as f32, t as f32], 1.0);
+        triangle.update(&[u as f32, z as f32, y as f32, t as f32]);
         (zy, zu, uy) = (zy + z * y, zu + z * u, uy + u * y);
         (uu, zt, ut) = (uu + u * u, zt + z * t, ut + u * t);
     }
@@ -127,7 +127,7 @@ fn instruments_are_judged_by_their_angle_and_not_by_their_size() {
         for k in 0..40_u8 {
             let (p, q) = (if k % 2 == 0 { 1.0 } else { -1.0 }, if k % 4 < 2 { 1.0 } else { -1.0 });
             let (p, q) = (size * p, size * (p + apart * q));
-            triangle.update(&[p, q, p, q, 2.0 * p - q], 1.0);
+            triangle.update(&[p, q, p, q, 2.0 * p - q]);
         }
         let (d, r) = triangle.parts();
         run(&Case { inputs: 0, outputs: 2, ..problem(d, r, 40.0) }).map(|(theta, ..)| theta)

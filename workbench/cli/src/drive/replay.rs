@@ -364,7 +364,6 @@ fn value(
         "rows": segment.rows,
         "rejected": segment.counts.rejected,
         "saturated": segment.counts.saturated,
-        "downweighted": segment.counts.downweighted,
         "still": segment.counts.resting,
         "stuck": stuck_channels(segment.counts.stuck, &model.channel_names()),
     })

@@ -82,15 +82,15 @@ fn csv(model: &Embedded, truths: &[String], verdicts: &[TraceVerdict]) -> Result
     let texts = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();
     let posteriors = classes.iter().map(|class| format!("p_{class}"));
     let odds: Vec<String> = posteriors.chain(texts(&["distance", "surprise"])).collect();
-    let denied = texts(&["rows", "rejected", "saturated", "downweighted", "still", "stuck"]);
+    let denied = texts(&["rows", "rejected", "saturated", "still", "stuck"]);
     let header = [texts(&["trace", "segment", "true_class", "decided"]), odds, denied];
     let mut rows = vec![header.concat()];
     for verdict in verdicts {
         for (k, segment) in verdict.segments.iter().enumerate() {
             let decided = segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes));
             let posterior = |k: usize| segment.posteriors.get(k).map_or_else(String::new, ToString::to_string);
-            let Counts { rejected, saturated, downweighted, resting, stuck, .. } = segment.counts;
-            let numbers = [segment.rows, rejected, saturated, downweighted, resting].map(|count| count.to_string());
+            let Counts { rejected, saturated, resting, stuck, .. } = segment.counts;
+            let numbers = [segment.rows, rejected, saturated, resting].map(|count| count.to_string());
             let denied = [&numbers[..], &[stuck_channels(stuck, names).join(" ")]].concat();
             let place = texts(&[&verdict.id, &k.to_string(), &truths[verdict.class], decided]);
             let far = [segment.distance, segment.surprise].map(|x| x.to_string());

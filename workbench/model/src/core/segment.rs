@@ -54,7 +54,7 @@ pub struct SegmentReport {
     pub missing: Vec<Feature>,
     /// Rows of the regression.
     pub rows: u32,
-    /// Numbers of samples and rows that were rejected or downweighted, and the stuck channels.
+    /// Numbers of samples and rows that were rejected, and the stuck channels.
     pub counts: Counts,
     /// Number of samples before the segment, as passed to the detector.
     pub start: usize,

@@ -71,17 +71,11 @@ fn names(model: &Model<RunTime>) -> Vec<&str> {
     model.constants().channels.iter().map(|channel| channel.name.as_str()).collect()
 }
 
-/// The rejected or downweighted samples and rows of a segment, and its stuck channels, as text; empty if there are
-/// none. `names` are the names of the model's channels.
+/// The rejected samples and rows of a segment, and its stuck channels, as text; empty if there are none. `names` are the names of the model's channels.
 #[must_use]
 pub fn denied(counts: &Counts, names: &[&str]) -> String {
-    let Counts { rejected, saturated, downweighted, resting, stuck, .. } = *counts;
-    let counted = [
-        (rejected, "samples rejected"),
-        (saturated, "samples saturated"),
-        (downweighted, "rows of less weight"),
-        (resting, "rows at rest"),
-    ];
+    let Counts { rejected, saturated, resting, stuck, .. } = *counts;
+    let counted = [(rejected, "samples rejected"), (saturated, "samples saturated"), (resting, "rows at rest")];
     let mut parts: Vec<String> =
         counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
     parts.extend(stuck_channels(stuck, names).iter().map(|name| format!("{name} stuck")));

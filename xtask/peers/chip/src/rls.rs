@@ -94,7 +94,7 @@ impl<const N: usize, const M: usize, const P: usize> Rival<N, M> for Ours<M, P> 
     }
 
     fn update(&mut self, row: &[f32; M]) {
-        self.0.update_forgetting(row, 1.0, self.1);
+        self.0.update_forgetting(row, self.1);
     }
 
     fn theta(&self) -> [f32; N] {

@@ -101,7 +101,6 @@ pub(super) fn report_value(names: &Names, summary: &Summary<'_>) -> Value {
         "rows": summary.rows,
         "rejected": summary.counts.rejected,
         "saturated": summary.counts.saturated,
-        "downweighted": summary.counts.downweighted,
         "still": summary.counts.resting,
         "stuck": stuck_channels(summary.counts.stuck, &names.channel_names()),
     })

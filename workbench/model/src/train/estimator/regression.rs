@@ -2,8 +2,7 @@
 //!
 //! ```text
 //! scales      powers of two that scale each column of the rows (with instruments, after the filter A(1)/A) to rms ≈ 1
-//! nominal     mean δ over the estimated traces of one class, by least squares or by SRIV; deviation² = their
-//!             mean σ²                                                                                            (1)
+//! nominal     mean δ over the estimated traces of one class, by least squares or by SRIV                         (1)
 //! settle      5/|ln|p||, p the slowest pole of the nominal model: transients have fallen below 1 %               (2)
 //! floor       0.01/(1 − λ): the sum for a column of rms 1 if only one row in a hundred contributed               (3)
 //! still       a thousandth of the training traces' mean motion                                                   (4)
@@ -90,7 +89,7 @@ pub(crate) fn regression(
         None => Memory::Segment,
     };
     let layout = RegressionLayout { structure, method: estimation.method, memory, y, u1, u2 };
-    let delta: Vec<f32> = nominal.delta.iter().map(|x| *x as f32).collect();
+    let delta: Vec<f32> = nominal.0.iter().map(|x| *x as f32).collect();
     let mut in_rows = Cow::Borrowed(traces);
     let mut settle = USUAL_SETTLE;
     if estimation.method == Method::Instruments {
@@ -106,10 +105,8 @@ pub(crate) fn regression(
     let regression = Regression {
         scale,
         nominal: delta,
-        deviation: nominal.deviation as f32,
         forgetting: Forgetting { lambda: lambda as f32, floor: (0.01 / (1.0 - lambda)) as f32 }, // (3)
-        huber: 0.0,
-        rest: (1e-3 * mean_motion(&in_rows, structure, &scales)) as f32, // (4)
+        rest: (1e-3 * mean_motion(&in_rows, structure, &scales)) as f32,                         // (4)
         settle,
         handover: estimation.handover,
     };
@@ -159,11 +156,8 @@ pub(crate) fn guard(channels: &mut [Channel], [y, u1, u2]: [Signal; 3], estimati
     Ok(())
 }
 
-/// The nominal model (1).
-struct Mean {
-    delta: DVector<f64>,
-    deviation: f64,
-}
+/// The nominal model (1), in δ-form.
+struct Mean(DVector<f64>);
 
 fn nominal(
     traces: &[LabelledTrace],
@@ -183,8 +177,7 @@ fn nominal(
     }
     let estimates = successful(own.par_iter().map(|trace| estimate(trace, structure)).collect())?;
     let deltas: Vec<_> = estimates.iter().map(|e| features::delta_from_raw(structure, &e.theta)).collect();
-    let variance = estimates.iter().map(|e| e.variance).sum::<f64>() / estimates.len() as f64;
-    Ok(Mean { delta: statistics::mean(&deltas), deviation: variance.max(0.0).sqrt() })
+    Ok(Mean(statistics::mean(&deltas)))
 }
 
 /// Returns the traces with the last sample in place of missing ones. The core leaves out rows with a missing sample;
@@ -221,7 +214,7 @@ impl Mean {
     /// Returns the coefficients 1, a₁, …, a_na.
     fn denominator(&self, structure: Structure) -> Vec<f64> {
         let na = structure.na as usize;
-        let t = |k: usize| if k < na { self.delta[k] } else { 0.0 };
+        let t = |k: usize| if k < na { self.0[k] } else { 0.0 };
         let a = (0..na).map(|k| if k == 0 { -1.0 - t(0) - t(1) } else { t(k) - t(k + 1) });
         std::iter::once(1.0).chain(a).collect()
     }

@@ -241,14 +241,12 @@ fn channel(channel: &Channel) -> String {
 }
 
 fn regression(out: &mut Source, regression: &Regression<RunTime>) {
-    let Regression { scale, nominal, deviation, forgetting, huber, rest, settle, handover } = regression;
+    let Regression { scale, nominal, forgetting, rest, settle, handover } = regression;
     out.line(1, "regression: [Regression {");
     out.numbers(2, "scale", scale, 12);
     out.numbers(2, "nominal", nominal, 8);
-    out.line(2, &format!("deviation: {},", number(*deviation)));
     let (lambda, floor) = (number(forgetting.lambda), number(forgetting.floor));
     out.line(2, &format!("forgetting: Forgetting {{ lambda: {lambda}, floor: {floor} }},"));
-    out.line(2, &format!("huber: {},", number(*huber)));
     out.line(2, &format!("rest: {},", number(*rest)));
     out.line(2, &format!("settle: {settle},"));
     out.line(2, &format!("handover: {handover},"));
