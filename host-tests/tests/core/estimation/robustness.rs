@@ -158,7 +158,7 @@ fn every_mode_stays_finite_and_recovers_within_a_segment() {
             let found = error(fault);
             let times = found / undisturbed;
             println!("{name:16}{found:6.2} ({times:.2})  {fault:?}");
-            // Half of it would mean that the fault teaches something. Of those that spoil, 3.7 to 7.3 times are measured.
+            // Half of it would mean that the fault teaches something. What spoils does so by 3.7 to 7.3 times.
             let range = if SPOILT.contains(&(name, fault)) { 2.0..=10.0 } else { 0.5..=2.0 };
             if !range.contains(&times) {
                 failures.push(format!("{name}, {fault:?}: {found} after {undisturbed}"));

@@ -71,7 +71,8 @@ fn names(model: &Model<RunTime>) -> Vec<&str> {
     model.constants().channels.iter().map(|channel| channel.name.as_str()).collect()
 }
 
-/// The rejected samples and rows of a segment, and its stuck channels, as text; empty if there are none. `names` are the names of the model's channels.
+/// The rejected samples and rows of a segment, and its stuck channels, as text; empty if there are none. `names` are
+/// the names of the model's channels.
 #[must_use]
 pub fn denied(counts: &Counts, names: &[&str]) -> String {
     let Counts { rejected, saturated, resting, stuck, .. } = *counts;
