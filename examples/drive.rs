@@ -17,7 +17,7 @@
 //! bearing-watch train --labels t/labels.csv --front-end t/front_end.toml --y current_a --u1 velocity_ref_rad_s \
 //!     --u2 load_torque_nm --order 3,3,2,1,1 --angle angle_rad --velocity velocity_rad_s --load load_torque_nm \
 //!     --bearing 9,3,17,10 --features drag,viscous,order_inner --shrinkage 0,0.5 --healthy healthy \
-//!     --alarm-interval-h 1000 --segment 2400 --model model.bwm --rust model.rs --c model.h
+//!     --alarm-interval-h 1000 --segment 2400 --identify --model model.bwm --rust model.rs --c model.h
 //! ```
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

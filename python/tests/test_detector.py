@@ -134,7 +134,7 @@ def test_verdicts_are_arrays_and_arrow(bench, model):
     found = bw.Detector(model).run(bench.traces["spall_3_000"])
     structured = np.asarray(found)
     assert structured.shape == (5,) and structured["posterior"].shape == (5, 3)
-    assert structured["features"].shape == (5, 4) and structured["slip"].shape == (5, 4)
+    assert structured["features"].shape == (5, 4) and structured["slip"].shape == (5, 1)
     np.testing.assert_array_equal(structured["distance"], found.distance)
     np.testing.assert_allclose(found.posterior.sum(axis=1), 1.0, rtol=1e-5)
     pyarrow, polars = pytest.importorskip("pyarrow"), pytest.importorskip("polars")

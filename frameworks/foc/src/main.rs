@@ -64,7 +64,6 @@ fn SysTick() {
         number,
         phases: counts.phases,
         position: Some(u32::from(counts.encoder)),
-        velocity_ref_rad_s: counts.velocity_ref_rad_s,
     };
     if number < COMMISSIONING {
         let check = CHECK.get_or_insert_with(|| WiringCheck::new(FRONT_END.frame, RATE_HZ, WIRING));

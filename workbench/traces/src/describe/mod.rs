@@ -12,6 +12,7 @@ mod kinds;
 mod names;
 mod proposal;
 mod raw;
+mod remembered;
 mod trial;
 mod values;
 mod words;

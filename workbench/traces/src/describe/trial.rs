@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::found::Found;
+use super::remembered::Kept;
 use super::values::{LEAST_SAMPLES, SEGMENTS, UNTIL_A_BEARING, Values, mean_and_rms};
 use crate::given::{Memory, given};
 use crate::listing::naming::whole_name;
@@ -36,6 +37,7 @@ pub(super) fn tried(found: &Found, values: &mut Values, (out, text): (&Path, &dy
     if bytes > MOST_BYTES {
         return Outcome::Untried;
     }
+    let kept = Kept::default();
     let train = |values: &Values, sample: Option<&Sample>| -> Result<(), String> {
         let file = DriveFile::of(out, text(&values.answered())).map_err(|error| error.to_string())?;
         let mut settings = file.settings.completed();
@@ -44,7 +46,7 @@ pub(super) fn tried(found: &Found, values: &mut Values, (out, text): (&Path, &dy
             Memory { labels: Some(Arc::clone(&sample.labels)), ..Memory::default() }
         });
         let log = Log::new(&Quiet);
-        let train = || Session::new(settings.clone(), given(&settings, memory)?, None)?.train(&log);
+        let train = || Session::new(settings.clone(), kept.given(given(&settings, memory)?)?, None)?.train(&log);
         train().map(drop).map_err(|error| error.to_string())
     };
     let (_, labels, classes) = &found.labels;

@@ -103,7 +103,7 @@ impl Parts {
             let signals = (signal(current), velocity.map(signal), load.map(signal));
             (ShaftLayout { current: signals.0, velocity: signals.1, load: signals.2, ..layout }, constants)
         });
-        let there = |(channel, place): (&Channel, &Option<u8>)| place.is_some().then(|| channel.clone());
+        let there = |(channel, place): (&Channel, &Option<u8>)| place.map(|_| *channel);
         let averaged = (0..self.channels.len()).filter(|place| self.averaged >> place & 1 == 1);
         Self {
             channels: self.channels.iter().zip(places).filter_map(there).collect(),
