@@ -60,11 +60,7 @@ fn SysTick() {
     let counts = drive.step();
     let number = STEPS.load(Ordering::Relaxed);
     STEPS.store(number.wrapping_add(1), Ordering::Relaxed);
-    let reading = Reading {
-        number,
-        phases: counts.phases,
-        position: Some(u32::from(counts.encoder)),
-    };
+    let reading = Reading { number, phases: counts.phases, position: Some(u32::from(counts.encoder)) };
     if number < COMMISSIONING {
         let check = CHECK.get_or_insert_with(|| WiringCheck::new(FRONT_END.frame, RATE_HZ, WIRING));
         WATCH.check_wiring(reading, f32::NAN, check);

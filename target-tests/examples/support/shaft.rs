@@ -195,71 +195,62 @@ pub static MODEL: Model<Watched> = match Watched::model(Constants {
     Err(error) => panic!("{}", error.message()),
 };
 
+/// The model of a plan without a regression: channels, constants of the shaft, and the last feature.
+macro_rules! shaft_alone {
+    ($plan:ident, $channels:expr, $shaft:expr, $last:expr) => {
+        match $plan::model(Constants {
+            sampling: SAMPLING,
+            channels: $channels,
+            regression: [],
+            shaft: [$shaft],
+            classifier: classifier!(
+                [
+                    Feature::Friction(FrictionTerm::Inertia),
+                    Feature::Friction(FrictionTerm::Viscous),
+                    Feature::Friction(FrictionTerm::Coulomb),
+                    Feature::FrictionScore(FrictionTerm::Viscous),
+                    Feature::FrictionScore(FrictionTerm::Offset),
+                    Feature::FrictionScore(FrictionTerm::Drag),
+                    Feature::LogFrictionVariance,
+                    Feature::OrderScore(0),
+                    $last,
+                ],
+                Some(0),
+                LAW,
+                [LAW; 2]
+            ),
+            evidence: EvidenceConstants::NONE,
+            labels: LABELS,
+        }) {
+            Ok(model) => model,
+            Err(error) => panic!("{}", error.message()),
+        }
+    };
+}
+
 /// The model of a drive with a load sensor, as `train` writes it.
-pub static CHOSEN: Model<Chosen> = match Chosen::model(Constants {
-    sampling: SAMPLING,
-    channels: [CURRENT, VELOCITY, LOAD],
-    regression: [],
-    shaft: [ShaftConstants {
+pub static CHOSEN: Model<Chosen> = shaft_alone!(
+    Chosen,
+    [CURRENT, VELOCITY, LOAD],
+    ShaftConstants {
         lags: Lags { current: 0.7, velocity: 0.0, load: 0.0 },
         balance: HALVED,
         tracking: Tracking { orders: RACES, blocks: BLOCKS },
-    }],
-    classifier: classifier!(
-        [
-            Feature::Friction(FrictionTerm::Inertia),
-            Feature::Friction(FrictionTerm::Viscous),
-            Feature::Friction(FrictionTerm::Coulomb),
-            Feature::FrictionScore(FrictionTerm::Viscous),
-            Feature::FrictionScore(FrictionTerm::Offset),
-            Feature::FrictionScore(FrictionTerm::Drag),
-            Feature::LogFrictionVariance,
-            Feature::OrderScore(0),
-            Feature::OrderScore(1),
-        ],
-        Some(0),
-        LAW,
-        [LAW; 2]
-    ),
-    evidence: EvidenceConstants::NONE,
-    labels: LABELS,
-}) {
-    Ok(model) => model,
-    Err(error) => panic!("{}", error.message()),
-};
+    },
+    Feature::OrderScore(1)
+);
 
 /// The model of a drive without a load sensor.
-pub static LOADLESS: Model<Loadless> = match Loadless::model(Constants {
-    sampling: SAMPLING,
-    channels: [CURRENT, VELOCITY],
-    regression: [],
-    shaft: [ShaftConstants {
+pub static LOADLESS: Model<Loadless> = shaft_alone!(
+    Loadless,
+    [CURRENT, VELOCITY],
+    ShaftConstants {
         lags: Lags { current: 0.0, velocity: 0.0, load: 0.0 },
         balance: BALANCE,
         tracking: Tracking { orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0])], blocks: BLOCKS },
-    }],
-    classifier: classifier!(
-        [
-            Feature::Friction(FrictionTerm::Inertia),
-            Feature::Friction(FrictionTerm::Viscous),
-            Feature::Friction(FrictionTerm::Coulomb),
-            Feature::FrictionScore(FrictionTerm::Viscous),
-            Feature::FrictionScore(FrictionTerm::Offset),
-            Feature::FrictionScore(FrictionTerm::Drag),
-            Feature::LogFrictionVariance,
-            Feature::OrderScore(0),
-            Feature::LogOrderAmplitude(0),
-        ],
-        Some(0),
-        LAW,
-        [LAW; 2]
-    ),
-    evidence: EvidenceConstants::NONE,
-    labels: LABELS,
-}) {
-    Ok(model) => model,
-    Err(error) => panic!("{}", error.message()),
-};
+    },
+    Feature::LogOrderAmplitude(0)
+);
 
 /// The motion at one instant.
 #[derive(Clone, Copy, Debug)]
