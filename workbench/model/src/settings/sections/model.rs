@@ -93,7 +93,7 @@ pub struct Model {
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAMES")))]
     pub rising: Vec<String>,
     /// Let the detector also estimate what no feature reads, for reports and telemetry: the parameters of the difference
-    /// model, and each order of the bearing
+    /// model and, if features are given, each order of the bearing
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub identify: bool,
     /// Projection of the features
