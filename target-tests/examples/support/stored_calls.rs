@@ -40,8 +40,8 @@ fn calls(pair: SlotPair<64>, flash: &mut Flash, show: &mut impl FnMut(&dyn fmt::
 }
 
 /// Every public function of signatures but `Trust::verify`; `show` writes an error. The crate that verifies indexes
-/// arrays, which the compiler cannot prove. All around its arithmetic is here: `Trust::verify` is `Trust::verify_with` by
-/// that crate.
+/// arrays, which the compiler cannot prove. All around its arithmetic is here: `Trust::verify` is
+/// `Trust::verify_with` by that crate.
 pub fn signatures(mut show: impl FnMut(&dyn fmt::Display)) {
     let mut bytes = opaque([0x42; 400]);
     let keys = opaque([[7; 32], [8; 32]]);

@@ -25,11 +25,11 @@ fn rows_that_are_lost_without_numbers_are_named_or_counted() {
                 run(&model, &motions.iter().enumerate().filter(kept).map(|(_, motion)| *motion).collect::<Vec<_>>())
             };
             let reports = [0, 1, 10, 100].map(lossy);
-            let found: Vec<_> = reports.iter().map(|own| (refusal(own), own.counts.rejected)).collect();
-            println!("{name}, {kind:?}: {found:?}");
-            assert_eq!(found[0], (None, 0), "{name}, {kind:?}");
-            assert!(found[1].1 > 0, "{name}, {kind:?}: {found:?}");
-            assert_eq!([found[2].0, found[3].0], [Some(Implausible::AngleSteps); 2], "{name}, {kind:?}");
+            let refusals: Vec<_> = reports.iter().map(|own| (refusal(own), own.counts.rejected)).collect();
+            println!("{name}, {kind:?}: {refusals:?}");
+            assert_eq!(refusals[0], (None, 0), "{name}, {kind:?}");
+            assert!(refusals[1].1 > 0, "{name}, {kind:?}: {refusals:?}");
+            assert_eq!([refusals[2].0, refusals[3].0], [Some(Implausible::AngleSteps); 2], "{name}, {kind:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Both rigs as drives: phase currents and angle through a front end, with a fault, and models that judge what it gives.
+//! Both rigs as drives: phase currents and angle, with a fault, pass a front end, and models judge the samples.
 
 use bearing_watch::drive::{
     BalanceLimits, By, Factor, Faults, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample,

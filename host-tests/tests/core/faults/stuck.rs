@@ -108,23 +108,23 @@ fn a_stuck_channel_costs_only_the_features_of_parts_that_use_it() {
     let clean = stream.clone();
     stream[1000..1100].iter_mut().for_each(|motion| motion.velocity_rad_s = 0.25);
     let reason = Reason::Stuck { channel: 1 };
-    let found = run(MIXED, &stream);
-    assert!(judged(found.0), "the feature of the regression is there");
-    assert_eq!((found.1, found.2, found.3), (None, Some(reason), [false, true, false, false]));
+    let outcome = run(MIXED, &stream);
+    assert!(judged(outcome.0), "the feature of the regression is there");
+    assert_eq!((outcome.1, outcome.2, outcome.3), (None, Some(reason), [false, true, false, false]));
     assert_eq!(run(WATCHED, &stream).0, Verdict::Undetermined(reason), "all features are missing");
     assert!(judged(run(ESTIMATED, &stream).0), "no feature uses the shaft");
     stream.clone_from(&clean);
     stream[1000..1100].iter_mut().for_each(|motion| motion.load_nm = 0.25);
     let reason = Reason::Stuck { channel: 3 };
-    let found = run(MIXED, &stream);
-    assert!(judged(found.0), "the features of the shaft are there");
-    assert_eq!((found.1, found.2, found.3), (Some(reason), None, [false, false, false, true]));
+    let outcome = run(MIXED, &stream);
+    assert!(judged(outcome.0), "the features of the shaft are there");
+    assert_eq!((outcome.1, outcome.2, outcome.3), (Some(reason), None, [false, false, false, true]));
     assert!(judged(run(WATCHED, &stream).0), "no feature uses the regression");
     stream.clone_from(&clean);
     stream[1000..1100].iter_mut().for_each(|motion| motion.current_a = 0.25);
     let reason = Reason::Stuck { channel: 0 };
-    let found = run(WATCHED, &stream);
-    assert_eq!(found, (Verdict::Undetermined(reason), Some(reason), Some(reason), [true, false, false, false]));
+    let outcome = run(WATCHED, &stream);
+    assert_eq!(outcome, (Verdict::Undetermined(reason), Some(reason), Some(reason), [true, false, false, false]));
 }
 
 #[test]

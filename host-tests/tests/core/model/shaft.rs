@@ -45,8 +45,8 @@ fn scales_are_bounded_by_the_limit_of_their_own_signal() {
             {
                 let mut constants = model.constants().clone();
                 constants.shaft[0].balance.scale[cell] = scale;
-                let found = Model::new(model.plan(), constants).map(|_| ());
-                assert_eq!(found, expected, "cell {cell}, limit {limit}, scale {scale:e}");
+                let checked = Model::new(model.plan(), constants).map(|_| ());
+                assert_eq!(checked, expected, "cell {cell}, limit {limit}, scale {scale:e}");
             }
         }
     }

@@ -1,6 +1,6 @@
-//! Grey boxes and difference models on a recorded drive: a positioning system with published constants (EMPS). Its screw
-//! is worn: how far friction differs between the two directions, over two records and their quarters. The authors put
-//! the difference down to fatigue of the screw.
+//! Grey boxes and difference models on a recorded drive: a positioning system with published constants (EMPS). Its
+//! screw is worn: the tests show how far friction differs between the two directions, over two records and their
+//! quarters. The authors explain the difference by fatigue of the screw.
 //!
 //! Standard deviations allow for correlated residuals (Newey and West); the scatter over the quarters is an independent
 //! measure of the same.
@@ -129,9 +129,9 @@ fn record(folder: &Path, file: &str) -> ([Asymmetry; 2], Vec<[Asymmetry; 2]>) {
     let samples = force.len() / PARTS;
     let part = |k: usize| {
         let range = k * samples..(k + 1) * samples;
-        let found = differences(&position[range.clone()], &force[range]);
-        println!("{file}, quarter {}: {}, {}", k + 1, shown(&found[0]), shown(&found[1]));
-        found
+        let quarter = differences(&position[range.clone()], &force[range]);
+        println!("{file}, quarter {}: {}, {}", k + 1, shown(&quarter[0]), shown(&quarter[1]));
+        quarter
     };
     (whole, (0..PARTS).map(part).collect())
 }

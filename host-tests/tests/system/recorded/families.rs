@@ -7,8 +7,9 @@
 //! normal (the cruise current falls with backlash 1 and rises with backlash 2), so a class is a level, and costs make
 //! the core decide between families.
 //!
-//! Of two classes, normal strokes are told from those with poor lubrication or heavy backlash of *later runs* at the same
-//! load. The spalling figures printed beside them are the floor that recording sessions alone reach.
+//! With two classes, the detector separates normal strokes from strokes of *later runs* at the same load with poor
+//! lubrication or heavy backlash. The figures for spalling beside them show what the difference between recording
+//! sessions alone reaches.
 
 use bearing_watch::plan::Kind;
 use host_tests::documents;

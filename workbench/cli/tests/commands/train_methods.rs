@@ -38,8 +38,8 @@ fn methods_memories_and_guards() {
     assert_eq!((&json["method"], &json["settle_samples"]), (&"instruments".into(), &100.into()));
 }
 
-/// A detector computes the difference model if a feature reads it, or if it is asked for; the rest has the same bits, and
-/// its recordings do without the input that only this model takes.
+/// A detector computes the difference model if a feature reads it, or if it is asked for; the rest has the same bits.
+/// Recordings do not need the input that only this model takes.
 #[test]
 fn a_difference_model_that_no_feature_reads_does_not_run() {
     let folder = tempfile::tempdir().expect("folder");

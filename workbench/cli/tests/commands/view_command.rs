@@ -122,7 +122,7 @@ fn no_client_keeps_others_from_the_pages() {
     let (status, page) = served.get("/");
     assert!(status == 200 && page.contains("/page/large.html"));
     assert!(start.elapsed() < Duration::from_secs(3), "{:?}", start.elapsed());
-    // A head without end. The system itself takes tens of MB that nobody reads (`tcp_rmem` and `tcp_wmem`).
+    // A request whose head never ends. The system buffers tens of MB that the server does not read (`tcp_rmem`).
     let mut stream = connect();
     let line = format!("X: {}\r\n", "y".repeat(1000));
     let sent = (0..100_000).map_while(|_| stream.write_all(line.as_bytes()).ok()).count();

@@ -145,6 +145,11 @@ pub fn order(name: &str) -> Option<&str> {
     kinds(Of::Order).find_map(|kind| kind.named_after(name))
 }
 
+/// Whether a word chooses the strength of this bearing order, alone or with its group.
+pub(crate) fn chooses_order(word: &str, order: &str) -> bool {
+    kinds(Of::Order).any(|kind| kind.group == Some(word) || kind.named_after(word) == Some(order))
+}
+
 /// The term of the torque balance of a feature by its name, on whatever scale.
 #[must_use]
 pub fn friction(name: &str) -> Option<&str> {

@@ -1,5 +1,5 @@
-//! The step of a sensor, which is the smallest difference of a column's values, and values that a source slower than the
-//! recording holds over several rows.
+//! The step of a sensor, which is the smallest difference of a column's values, and values that a source slower than
+//! the recording holds over several rows.
 //!
 //! A slow bus gives a new value at regular times, for example every tenth row. A sensor with a coarse step also gives
 //! the same value in several rows, but it changes by single steps, at times that the signal decides.

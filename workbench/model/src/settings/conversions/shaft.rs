@@ -58,8 +58,7 @@ impl Settings {
             plan.orders.retain(|(name, _)| !["ball", "cage"].contains(&name.as_str()) || named(name));
         }
         let is_read = |name: &str| {
-            let asked = self.model.features.iter().chain(&self.model.covariates);
-            asked.into_iter().any(|feature| feature == "orders" || features::order(feature) == Some(name))
+            self.model.features.iter().chain(&self.model.covariates).any(|word| features::chooses_order(word, name))
         };
         // Without an order among the features the angle is still checked by them.
         if !self.model.identify && plan.orders.iter().any(|(name, _)| is_read(name)) {

@@ -92,8 +92,8 @@ pub struct Model {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAMES")))]
     pub rising: Vec<String>,
-    /// Let the detector also estimate what no feature reads, for reports and telemetry: the parameters of the difference
-    /// model and, if features are given, each order of the bearing
+    /// Let the detector also estimate what no feature reads, for reports and telemetry: the parameters of the
+    /// difference model and, if features are given, each order of the bearing
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub identify: bool,
     /// Projection of the features

@@ -22,7 +22,7 @@ impl Trained {
     /// # Errors
     /// A value that does not fit a model or is outside the range of single precision.
     pub fn to_core(&self) -> Result<Model<RunTime>, Error> {
-        let Read { parts, features, covariates: explaining, .. } = self.read();
+        let Read { parts, features, covariates: explaining } = self.read();
         let densities = &self.densities;
         let sizes = [
             count(features.len(), "features")?,

@@ -1,8 +1,8 @@
 //! What the detector of a trained model computes: nothing that no feature reads.
 //!
 //! Training tries the features of all parts. A detector whose features are drag and the orders of a bearing does not
-//! need the difference model, nor the inputs that only this takes. The shaft stays, since its balance finds signals that
-//! contradict each other. What is left gives the same bits as in training.
+//! need the difference model, nor the inputs that only this takes. The shaft stays, since its balance finds signals
+//! that contradict each other. What is left gives the same bits as in training.
 
 use bearing_watch::model::{Channel, Covariates, Feature};
 use bearing_watch::plan::{RegressionLayout, RunTime, ShaftLayout, Signal};
@@ -17,79 +17,64 @@ pub(crate) struct Read {
     pub(crate) parts: Parts,
     pub(crate) features: Vec<Feature>,
     pub(crate) covariates: Covariates<RunTime>,
-    /// Place of each channel of the training.
-    channels: Vec<Option<u8>>,
 }
 
 impl Trained {
     /// What the detector computes.
     pub(crate) fn read(&self) -> Read {
-        let mut read = Read {
-            parts: self.sight.parts(&self.parts),
-            features: self.core_features.clone(),
-            covariates: self.core_covariates.clone(),
-            channels: (0..self.parts.channels.len()).map(|place| u8::try_from(place).ok()).collect(),
-        };
-        if !self.recipe.identify && self.block_mean == 1 {
-            read.leave_regression_out();
+        let (parts, mut features) = (self.sight.parts(&self.parts), self.core_features.clone());
+        let mut covariates = self.core_covariates.clone();
+        if self.identifies() {
+            return Read { parts, features, covariates };
         }
-        read
+        let places = self.places();
+        let to = |place: u8| places[usize::from(place)].unwrap_or(0);
+        let moved = |feature: &mut Feature| match feature {
+            Feature::ChannelMean(place) | Feature::ChannelRms(place) => *place = to(*place),
+            _ => {}
+        };
+        features.iter_mut().chain(covariates.list.iter_mut().map(|covariate| &mut covariate.feature)).for_each(moved);
+        Read { parts: parts.without_regression(&places), features, covariates }
     }
 
-    /// Whether the detector estimates the parameters of the difference model.
+    /// Whether the detector estimates the parameters of the difference model: a feature reads it, or it is asked for.
     #[must_use]
     pub fn identifies(&self) -> bool {
-        self.read().parts.regression.is_some()
+        let (Some((regression, _)), Some((shaft, _))) = (&self.parts.regression, &self.parts.shaft) else {
+            return self.parts.regression.is_some();
+        };
+        let explaining = self.core_covariates.list.iter().map(|covariate| &covariate.feature);
+        let is_read = |feature: &Feature| matches!(feature, Feature::Parameter(_) | Feature::LogVariance);
+        // An input whose mean is a feature has its column by the difference model; means of blocks are its rows.
+        let averages_input = self.parts.averaged & of_regression(regression) & !of_shaft(shaft) != 0;
+        let is_needed =
+            averages_input || self.block_mean > 1 || self.core_features.iter().chain(explaining).any(is_read);
+        self.recipe.identify || is_needed
     }
 
     /// The features that the detector can tell, in the order of its reports.
     #[must_use]
     pub fn catalogue(&self) -> Catalogue {
-        let (read, all) = (self.read(), self.recipe.catalogue());
-        let place = |(name, place): (String, u8)| Some((name, read.channels[usize::from(place)]?));
+        let all = self.recipe.catalogue();
+        if self.identifies() {
+            return all;
+        }
+        let places = self.places();
+        let moved = |(name, place): (String, u8)| Some((name, places[usize::from(place)]?));
         Catalogue {
-            structure: if read.parts.regression.is_some() { all.structure } else { Structure::new(0, 0, 0, 0, 0) },
+            structure: Structure::new(0, 0, 0, 0, 0),
             orders: all.orders,
-            averaged: all.averaged.into_iter().filter_map(place).collect(),
+            averaged: all.averaged.into_iter().filter_map(moved).collect(),
         }
     }
-}
 
-impl Read {
-    fn all(&self) -> impl Iterator<Item = Feature> {
-        self.features.iter().copied().chain(self.covariates.list.iter().map(|own| own.feature))
-    }
-
-    /// Gives features and covariates their new places.
-    fn replace(&mut self, moved: impl Fn(Feature) -> Feature) {
-        self.features.iter_mut().for_each(|feature| *feature = moved(*feature));
-        self.covariates.list.iter_mut().for_each(|own| own.feature = moved(own.feature));
-    }
-
-    /// Leaves the difference model out, with the channels that no other part takes.
-    fn leave_regression_out(&mut self) {
-        let is_read = self.all().any(|feature| matches!(feature, Feature::Parameter(_) | Feature::LogVariance));
-        let (Some((regression, _)), Some((shaft, _))) = (&self.parts.regression, &self.parts.shaft) else { return };
-        let of_shaft = channels([Some(shaft.current), shaft.velocity, shaft.load]);
-        // An input whose mean is a feature has its column by the difference model.
-        if is_read || self.parts.averaged & of_regression(regression) & !of_shaft != 0 {
-            return;
-        }
-        let kept = of_shaft | self.parts.averaged;
-        let places = (0..self.parts.channels.len()).scan(0, |next, place| {
-            let own = (kept >> place & 1 == 1).then_some(*next);
-            *next += u8::from(own.is_some());
-            Some(own)
-        });
-        self.channels = places.collect();
-        self.parts = self.parts.without_regression(&self.channels);
-        let places = self.channels.clone();
-        let to = |place: u8| places[usize::from(place)].unwrap_or(0);
-        self.replace(|feature| match feature {
-            Feature::ChannelMean(place) => Feature::ChannelMean(to(place)),
-            Feature::ChannelRms(place) => Feature::ChannelRms(to(place)),
-            other => other,
-        });
+    /// The place of each channel without those that only the difference model takes.
+    fn places(&self) -> Vec<Option<u8>> {
+        let kept = self.parts.averaged | self.parts.shaft.as_ref().map_or(0, |(shaft, _)| of_shaft(shaft));
+        let mut next = 0..;
+        (0..self.parts.channels.len())
+            .map(|channel| if kept >> channel & 1 == 1 { next.next() } else { None })
+            .collect()
     }
 }
 
@@ -112,6 +97,10 @@ impl Parts {
             averaged: averaged.filter_map(|place| places[place]).fold(0, |mask, place| mask | 1 << place),
         }
     }
+}
+
+fn of_shaft(layout: &ShaftLayout) -> u16 {
+    channels([Some(layout.current), layout.velocity, layout.load])
 }
 
 fn of_regression(layout: &RegressionLayout) -> u16 {
