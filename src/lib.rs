@@ -89,6 +89,7 @@ pub mod model;
 pub mod plan;
 mod printable;
 mod reason;
+mod record;
 mod regression;
 mod report;
 pub mod shaft;

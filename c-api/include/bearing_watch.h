@@ -184,7 +184,7 @@ enum BwCode
   BW_CODE_WRONG_RATE = -18,
   // The bytes are not a model.
   BW_CODE_NOT_A_MODEL = -20,
-  // The model has another format version: train it again.
+  // The model has another format version: a newer one needs a newer library, an older one is trained again.
   BW_CODE_MODEL_VERSION = -21,
   // The model has fewer bytes than its header says.
   BW_CODE_MODEL_TRUNCATED = -22,

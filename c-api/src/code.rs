@@ -65,7 +65,7 @@ pub enum BwCode {
     WrongRate = -18,
     /// The bytes are not a model.
     NotAModel = -20,
-    /// The model has another format version: train it again.
+    /// The model has another format version: a newer one needs a newer library, an older one is trained again.
     ModelVersion = -21,
     /// The model has fewer bytes than its header says.
     ModelTruncated = -22,
@@ -232,7 +232,7 @@ impl BwCode {
             Self::NoVerdict => c"no segment has had a verdict for too long",
             Self::WrongRate => c"the samples do not come at the rate of the model",
             Self::NotAModel => c"these bytes are not a bearing-watch model",
-            Self::ModelVersion => c"the model has another format version; train it again",
+            Self::ModelVersion => c"the model has another format version: update the library, or train it again",
             Self::ModelTruncated => c"the model is truncated",
             Self::ModelChecksum => c"the checksum does not match: the model is corrupted",
             Self::ModelValue => c"a value of the model is out of range",

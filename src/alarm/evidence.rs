@@ -65,23 +65,26 @@ use crate::decide::{Decision, Directions, Fall, NO_MODEL};
 use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
+use crate::record::{BELOW_ONE, LEAST_LOG, MOST_NATS, record};
 
-/// Constants of the evidence.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct EvidenceConstants {
-    /// κ of (1), between 0 and 1.
-    pub bet: f32,
-    /// (6), nats; infinite for no alarm.
-    pub limit: f32,
-    /// The most that ln e of one segment can be, or with directions that of a run, nats.
-    pub cap: f32,
-    /// Number of decided segments after which a run ends by itself; 1 if segments are independent.
-    pub segments_a_run: u32,
-    /// ln μ of the novelty (3), nats.
-    pub log_mean: f32,
-    /// ln μ of every defect (3), nats.
-    pub defect_log_mean: f32,
+record! {
+    /// Constants of the evidence.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct EvidenceConstants: Evidence {
+        /// κ of (1), between 0 and 1.
+        pub bet: f32 in [f32::MIN_POSITIVE, BELOW_ONE],
+        /// (6), nats; infinite for no alarm.
+        pub limit: f32,
+        /// The most that ln e of one segment can be, or with directions that of a run, nats.
+        pub cap: f32 in [f32::MIN_POSITIVE, MOST_NATS],
+        /// Number of decided segments after which a run ends by itself; 1 if segments are independent.
+        pub segments_a_run: u32 in [1, u32::MAX],
+        /// ln μ of the novelty (3), nats.
+        pub log_mean: f32 in [LEAST_LOG, MOST_NATS],
+        /// ln μ of every defect (3), nats.
+        pub defect_log_mean: f32 in [LEAST_LOG, MOST_NATS],
+    }
 }
 
 impl EvidenceConstants {

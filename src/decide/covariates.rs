@@ -18,25 +18,28 @@
 
 use super::features::{Feature, FeatureValue};
 use crate::plan::{Array, Cells, Plan};
+use crate::record::{LARGEST, record};
 use crate::regression::factor::pairs;
 
 /// (2), as part of the range.
 const MARGIN: f32 = 0.1;
 
-/// A covariate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Covariate {
-    /// The feature z.
-    pub feature: Feature,
-    /// z̄, its mean over the healthy training segments.
-    pub centre: f32,
-    /// Its least value in them.
-    pub low: f32,
-    /// Its largest value in them.
-    pub high: f32,
-    /// u, the usual variance of its error.
-    pub usual: f32,
+record! {
+    /// A covariate.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct Covariate: Covariate {
+        /// The feature z.
+        pub feature: Feature,
+        /// z̄, its mean over the healthy training segments.
+        pub centre: f32 in [-LARGEST, LARGEST],
+        /// Its least value in them.
+        pub low: f32 in [-LARGEST, LARGEST],
+        /// Its largest value in them.
+        pub high: f32 in [-LARGEST, LARGEST],
+        /// u, the usual variance of its error.
+        pub usual: f32 in [0.0, LARGEST],
+    }
 }
 
 impl Covariate {

@@ -21,10 +21,13 @@
 use crate::logarithm::ln_of_level;
 use crate::plan::{Layout, Plan};
 use crate::reason::{FrictionTerm, Obstacle, Reason};
+use crate::record::{Fault, Field, Input, Output};
 use crate::regression::estimate::Estimate;
 use crate::shaft::{Balance, LEAST_FROM_ROWS, ShaftEstimate};
 use crate::signal::average::Average;
 
+/// The highest kind of a code that this build knows.
+const NEWEST: u8 = 9;
 /// Smaller amplitudes count as this value, A.
 const LEAST_AMPLITUDE: f32 = 1e-6;
 
@@ -133,9 +136,21 @@ impl Feature {
         })
     }
 
-    /// Whether a code is of a kind that only a newer build knows.
-    pub(crate) const fn is_newer([kind, _]: [u8; 2]) -> bool {
-        kind > 9
+    /// Appends the code.
+    pub(crate) const fn put(self, output: &mut Output<'_>) {
+        let [kind, place] = self.code();
+        output.u8(kind);
+        output.u8(place);
+    }
+
+    /// The feature of the next code.
+    pub(crate) fn get(input: &mut Input<'_>) -> Self {
+        let [kind, place] = input.array();
+        Self::of_code([kind, place]).unwrap_or_else(|| {
+            let newer = kind > NEWEST;
+            input.refuse(if newer { Fault::Newer } else { Fault::OutOfRange(Field::Feature) });
+            Self::LogVariance
+        })
     }
 
     /// The term of the torque balance that it measures, if it does.

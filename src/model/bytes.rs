@@ -8,17 +8,16 @@
 //! of up to 32 bits, so each corrupted byte is found. The payload starts with the layout, and a plan reads only models
 //! of its own layout. The notes are text for people and tools (preparation, training set); the firmware ignores them.
 
-use super::reader::{Reader, read};
-use super::writer::{Buffer, Writer, write};
-use super::{Field, Model, ModelError};
+use super::reader::{read, read_layout};
+use super::stored::put;
+use super::{Model, ModelError};
 use crate::checksum::crc32;
 use crate::plan::{Layout, Plan};
+use crate::record::{Fault, Field, Input, Output};
 
 const MAGIC: [u8; 4] = *b"BWMD";
 const VERSION: u16 = 11;
 const HEADER: usize = 16;
-/// The model has what only a newer build knows.
-pub(super) const NEWER: ModelError = ModelError::Version { given: VERSION + 1, supported: VERSION };
 /// Largest length of payload and of notes; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
 
@@ -47,24 +46,25 @@ pub fn notes(bytes: &[u8]) -> Result<&str, ModelError> {
 /// As [`Model::from_bytes`], for what concerns the bytes as a whole and the layout.
 pub fn layout(bytes: &[u8]) -> Result<Layout, ModelError> {
     let (payload, _) = open(bytes)?;
-    Reader(payload).layout()
+    Ok(read_layout(&mut Input::new(payload))?)
 }
 
 /// Lengths of payload and notes.
 fn header(bytes: &[u8]) -> Result<(usize, usize), ModelError> {
-    let mut header = Reader(bytes);
-    if header.array::<4>().map_err(|_| ModelError::NotAModel)? != MAGIC {
+    let mut header = Input::new(bytes);
+    if header.array() != MAGIC {
         return Err(ModelError::NotAModel);
     }
-    let given = header.u16()?;
+    let (given, flags) = (header.u16(), header.u16());
+    let (payload, notes) = (header.u32() as usize, header.u32() as usize);
+    header.so_far()?;
     if given != VERSION {
         return Err(ModelError::Version { given, supported: VERSION });
     }
     // Reserved: a later build may give them a meaning that this one must not ignore.
-    if header.u16()? != 0 {
+    if flags != 0 {
         return Err(ModelError::OutOfRange(Field::Flags));
     }
-    let (payload, notes) = (header.u32()? as usize, header.u32()? as usize);
     if payload > MAX_BYTES || notes > MAX_BYTES { Err(ModelError::Truncated) } else { Ok((payload, notes)) }
 }
 
@@ -90,14 +90,12 @@ impl<P: Plan> Model<P> {
     /// range.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
         let (payload, _) = open(bytes)?;
-        let mut reader = Reader(payload);
-        let layout = reader.layout()?;
+        let mut input = Input::new(payload);
+        let layout = read_layout(&mut input)?;
         layout.check().map_err(ModelError::Layout)?;
         let plan = P::of(layout).ok_or(ModelError::OtherPlan)?;
-        let constants = read(&mut reader, plan)?;
-        if !reader.0.is_empty() {
-            return Err(ModelError::Truncated);
-        }
+        let constants = read(&mut input, plan);
+        input.finish()?;
         Self::new(plan, constants)
     }
 
@@ -114,18 +112,26 @@ impl<P: Plan> Model<P> {
     /// # Errors
     /// [`ModelError::BufferTooSmall`].
     pub fn to_bytes(&self, notes: &str, buffer: &mut [u8]) -> Result<usize, ModelError> {
-        let mut writer = Writer(Buffer { free: buffer, written: HEADER });
-        writer.layout(&self.plan().layout())?;
-        write(&mut writer, self.constants())?;
-        let payload = writer.0.written.saturating_sub(HEADER);
-        writer.bytes(notes.as_bytes())?;
-        let end = writer.0.written;
-        writer.0.written = 0;
-        writer.bytes(&header_of(payload, notes.len())?)?;
-        writer.0.written = end;
-        let check = crc32(writer.0.free.get(..end).ok_or(ModelError::BufferTooSmall)?);
-        writer.bytes(&check.to_le_bytes())?;
-        Ok(writer.0.written)
+        let (header, free) = buffer.split_first_chunk_mut::<HEADER>().ok_or(ModelError::BufferTooSmall)?;
+        let mut output = Output::new(free);
+        put(&self.constants().parts(self.plan()), &mut output);
+        let payload = output.written().ok_or(ModelError::BufferTooSmall)?;
+        output.text(notes.as_bytes());
+        let end = output.written().ok_or(ModelError::BufferTooSmall)?.saturating_add(HEADER);
+        *header = header_of(payload, notes.len())?;
+        let (content, rest) = buffer.split_at_mut_checked(end).ok_or(ModelError::BufferTooSmall)?;
+        *rest.first_chunk_mut().ok_or(ModelError::BufferTooSmall)? = crc32(content).to_le_bytes();
+        Ok(end.saturating_add(4))
+    }
+}
+
+impl From<Fault> for ModelError {
+    fn from(fault: Fault) -> Self {
+        match fault {
+            Fault::Truncated => Self::Truncated,
+            Fault::OutOfRange(field) => Self::OutOfRange(field),
+            Fault::Newer => Self::Version { given: VERSION.saturating_add(1), supported: VERSION },
+        }
     }
 }
 

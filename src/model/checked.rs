@@ -2,7 +2,7 @@
 
 use super::constants::Constants;
 use super::error::ModelError;
-use super::identity::identity;
+use super::stored::identity;
 use super::validate::check;
 use crate::drive::RotorFrame;
 use crate::plan::{Cells, Plan};

@@ -1,114 +1,8 @@
-//! Why a model is refused, and the field that is concerned.
+//! Why a model is refused.
 
 use crate::plan::LayoutError;
+use crate::record::Field;
 use crate::signal::Park;
-
-/// A field of a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-#[expect(missing_docs, reason = "each variant is named as its field; `name` has the words")]
-pub enum Field {
-    SamplingInterval,
-    BlockMean,
-    SegmentLength,
-    ChannelName,
-    ChannelLimit,
-    Saturation,
-    StuckSamples,
-    ColumnScale,
-    LimitTimesScale,
-    NominalModel,
-    NominalStability,
-    RestThreshold,
-    Settling,
-    Handover,
-    ForgettingFactor,
-    ForgettingFloor,
-    SignalLag,
-    BalanceInterval,
-    BalanceFilter,
-    RowInterval,
-    BalanceVelocity,
-    BalanceScale,
-    BalanceNominal,
-    BalancePrior,
-    LargestChange,
-    BearingOrder,
-    OrderBlock,
-    Feature,
-    Covariate,
-    Projection,
-    ClassDensity,
-    Prior,
-    Cost,
-    HealthyClass,
-    HealthyDensity,
-    SurpriseCurve,
-    NoveltyLimit,
-    /// At most all coordinates rise, and only with a shaft.
-    RisingCoordinates,
-    /// At most 8, and only with a healthy class.
-    Direction,
-    Evidence,
-    Label,
-    Layout,
-    Notes,
-    Flags,
-}
-
-impl Field {
-    /// The field in words.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::SamplingInterval => "sampling interval",
-            Self::BlockMean => "block mean",
-            Self::SegmentLength => "segment length",
-            Self::ChannelName => "channel name or unit",
-            Self::ChannelLimit => "channel limit",
-            Self::Saturation => "saturation",
-            Self::StuckSamples => "number of stuck samples",
-            Self::ColumnScale => "column scale",
-            Self::LimitTimesScale => "channel limit times column scale",
-            Self::NominalModel => "nominal model",
-            Self::NominalStability => "nominal model (it must be stable)",
-            Self::RestThreshold => "rest threshold",
-            Self::Settling => "settling time in relation to the segment length",
-            Self::Handover => "handover",
-            Self::ForgettingFactor => "forgetting factor",
-            Self::ForgettingFloor => "forgetting floor",
-            Self::SignalLag => "lag of a signal of the shaft",
-            Self::BalanceInterval => "sampling interval of the torque balance",
-            Self::BalanceFilter => "filter of the torque balance",
-            Self::RowInterval => "row interval of the torque balance",
-            Self::BalanceVelocity => "velocity of the Coulomb sign, of the Stribeck friction or of the drag",
-            Self::BalanceScale => "scale of the torque balance",
-            Self::BalanceNominal => "nominal torque balance",
-            Self::BalancePrior => "prior deviation of the torque balance",
-            Self::LargestChange => "largest change of the motion",
-            Self::BearingOrder => "bearing order or its weights",
-            Self::OrderBlock => "cells, slip, controls or filter of the order tracking",
-            Self::Feature => "feature",
-            Self::Covariate => "range or coefficients of a covariate",
-            Self::Projection => "projection",
-            Self::ClassDensity => "class density",
-            Self::Prior => "class prior",
-            Self::Cost => "cost",
-            Self::HealthyClass => "healthy class",
-            Self::HealthyDensity => "healthy density",
-            Self::SurpriseCurve => "surprise curve",
-            Self::NoveltyLimit => "novelty limit",
-            Self::RisingCoordinates => "rising coordinates",
-            Self::Direction => "direction that the alarm watches",
-            Self::Evidence => "evidence constants",
-            Self::Label => "class label",
-            Self::Layout => "layout",
-            Self::Notes => "notes",
-            Self::Flags => "header flags",
-        }
-    }
-}
 
 /// Why a model is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,7 +65,10 @@ impl ModelError {
             Self::Interval { .. } => "the sampling interval differs from that of the model",
             Self::Length(field) | Self::OutOfRange(field) => field.name(),
             Self::NotAModel => "these bytes are not a bearing-watch model",
-            Self::Version { .. } => "the model has another format version; train it again",
+            Self::Version { given, supported } if *given > *supported => {
+                "the model has a newer format version; update this program"
+            }
+            Self::Version { .. } => "the model has an older format version; train it again",
             Self::Truncated => "the model is truncated or has trailing bytes",
             Self::Checksum => "the checksum does not match: the model is corrupted",
             Self::BufferTooSmall => "the buffer is too small for the model",
@@ -195,10 +92,12 @@ impl core::fmt::Display for ModelError {
             Self::Length(field) => write!(f, "the model's {} has the wrong length", field.name()),
             Self::OutOfRange(field) => write!(f, "the model's {} is out of range", field.name()),
             Self::Version { given, supported } => {
-                write!(
-                    f,
-                    "model format version {given}, but this build reads version {supported}; train the model again"
-                )
+                let (age, cure) = if given > supported {
+                    ("newer", "update this program")
+                } else {
+                    ("older", "train the model again")
+                };
+                write!(f, "the model has the {age} format version {given}; this program reads {supported}: {cure}")
             }
             other => f.write_str(other.message()),
         }

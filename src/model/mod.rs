@@ -7,19 +7,19 @@ mod bytes;
 mod checked;
 mod constants;
 mod error;
-mod identity;
 mod parts;
 mod ranges;
 mod reader;
 mod sampling;
+mod stored;
 mod validate;
-mod writer;
 
 pub use crate::alarm::evidence::EvidenceConstants;
 pub use crate::decide::{
     Background, Classifier, Covariate, Covariates, Departure, Direction, Directions, Discriminant, Estimates, Fall,
     Feature, FeatureValue, KNOTS, Law, MAX_BACKGROUND, Most, Novelty, Projection, Rise,
 };
+pub use crate::record::Field;
 pub use crate::regression::Regression;
 pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_SEGMENT_ROWS};
 pub use crate::shaft::balance::{Balance, StateVariable, TERMS};
@@ -30,16 +30,11 @@ pub use crate::signal::{Channel, Label, Name};
 pub use bytes::{MAX_BYTES, layout, notes, stored_len};
 pub use checked::Model;
 pub use constants::Constants;
-pub use error::{Field, ModelError};
-#[doc(hidden)]
-pub use identity::identity;
+pub use error::ModelError;
 #[doc(hidden)]
 pub use parts::{Parts, RegressionParts, RunParts, ShaftParts};
 pub use sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};
 #[doc(hidden)]
+pub use stored::identity;
+#[doc(hidden)]
 pub use validate::check;
-
-#[cfg(feature = "telemetry")]
-pub(crate) use reader::Reader;
-#[cfg(feature = "telemetry")]
-pub(crate) use writer::{Buffer, Writer};

@@ -5,40 +5,30 @@
 //! range of `f32`, or a gate or an alarm without effect, behind a good checksum. An infinite limit is a choice: nothing
 //! is novel, no alarm, no rejection. The code is `const`, so it walks slices by patterns.
 
-use super::error::{Field, ModelError};
+use super::error::ModelError;
 use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
 use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, reaches, split};
 use super::sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};
 use crate::alarm::EvidenceConstants;
-use crate::decide::{Background, Covariate, Direction, MAX_SURPRISE, Rise};
+use crate::decide::{Background, Covariate, MAX_SURPRISE};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
+use crate::record::{Field, LARGEST, LEAST_LOG, LONGEST_S, MOST_NATS};
 use crate::regression::estimate::is_stable;
-use crate::regression::factor::{MAX_LAMBDA, MAX_SEGMENT_ROWS};
-use crate::shaft::{Blocks, Lags, MAX_BLOCKS, MAX_LAG, StateVariable, TrackedOrder, least_steps};
+use crate::regression::factor::MAX_SEGMENT_ROWS;
+use crate::shaft::{MAX_BLOCKS, StateVariable, least_steps};
 use crate::signal::{Channel, Label};
 
-/// Orders beyond this would turn more than half a turn between samples at any speed that can be tracked.
-const MAX_ORDER_Q16: i32 = 1000 << 16;
-
-/// Largest number: its square is far inside the range of f32.
-const LARGEST: f32 = 1e18;
-/// Longest sampling interval, s.
-const LONGEST_S: f32 = 1e4;
-/// Least ln of a prior probability, and of the mean of an e-value; no training set supports smaller ones.
-const LEAST_LOG: f32 = -100.0;
 /// ln 1, with roundings.
 const LOG_ONE: f32 = 1e-3;
-/// Smallest variance of a direction.
-const LEAST_VARIANCE: f32 = 1e-12;
-/// Largest limit and cap of the evidence, nats.
-const MOST_NATS: f32 = 1e3;
 /// Squared distance from healthy that is novel by any gate: a million deviations.
 const NOVEL: f32 = 1e12;
 
 /// Returns early with an error unless the condition holds.
 macro_rules! require {
     ($good:expr, $field:ident) => {
-        if !$good {
+        // Not by `!`: what is not a number is refused.
+        if $good {
+        } else {
             return Err(ModelError::OutOfRange(Field::$field));
         }
     };
@@ -49,6 +39,15 @@ macro_rules! require_length {
     ($given:expr, $wanted:expr, $field:ident) => {
         if $given != $wanted {
             return Err(ModelError::Length(Field::$field));
+        }
+    };
+}
+
+/// Returns early with the field of a record that is out of range.
+macro_rules! within {
+    ($check:expr) => {
+        if let Err(field) = $check {
+            return Err(ModelError::OutOfRange(field));
         }
     };
 }
@@ -171,31 +170,28 @@ const fn check_regression(
         require!(rest > 0.0 && nb as usize + nc as usize > 0, RestThreshold);
         // A memory of n rows leaves no degree of freedom for a variance.
         let rows = 1.0 / (1.0 - forgetting.lambda);
-        require!(forgetting.lambda <= MAX_LAMBDA && rows > 2.0 * n as f32, ForgettingFactor);
-        require!(forgetting.floor > 0.0 && forgetting.floor <= 1e6, ForgettingFloor);
+        require!(rows > 2.0 * n as f32, ForgettingFactor);
+        within!(forgetting.check());
     }
     Ok(())
 }
 
 const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts<'_>) -> Result<(), ModelError> {
-    let ShaftParts { lags: Lags { current, velocity, load }, balance, orders, blocks } = *shaft;
-    require!(all_within(&[current, velocity, load], 0.0, MAX_LAG), SignalLag);
-    require!(balance.interval_s > 0.0 && balance.interval_s <= LONGEST_S, BalanceInterval);
+    let ShaftParts { lags, balance, orders, blocks } = *shaft;
+    within!(lags.check());
+    within!(balance.check());
+    within!(balance.filter.check());
     let StateVariable { gain, damping, rate_per_s } = balance.filter;
     let expected = StateVariable::new(gain, balance.interval_s);
     let designed =
         damping.to_bits() == expected.damping.to_bits() && rate_per_s.to_bits() == expected.rate_per_s.to_bits();
-    require!(gain >= 1e-4 && gain <= 10.0 && designed, BalanceFilter);
+    require!(designed, BalanceFilter);
     // The factor of the balance sums at most as many rows as any other of one level.
     let samples = parts.sampling.segment_samples as u64 * parts.sampling.block_mean as u64;
-    require!(balance.row_interval > 0, RowInterval);
     let steps = if layout.is_halved() { samples.div_ceil(2) } else { samples };
     require!(steps / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
     let most_blocks = steps / least_steps(layout.orders, layout.harmonics);
     require!(layout.orders == 0 || most_blocks <= MAX_BLOCKS as u64, SegmentLength);
-    let velocities = [balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_velocity_rad_s];
-    require!(all_within(&velocities, 1e-6, 1e6) && all_within(&[balance.usual_load_nm], 0.0, 1e6), BalanceVelocity);
-    require!(balance.row_spread >= 1.0 && balance.row_spread <= 1e3, RowInterval);
     require!(all_powers_of_two(&balance.scale) && all_within(&balance.scale, 0.0, f32::MAX), BalanceScale);
     let velocity = match layout.velocity {
         Some(velocity) => limit_of(parts.channels, velocity),
@@ -215,49 +211,23 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
             && bounded(&[current_scale], current),
         LimitTimesScale
     );
-    require!(all_within(&balance.nominal, -1e12, 1e12), BalanceNominal);
-    require!(all_within(&balance.prior, 1e-12, 1e12) && all_within(&[balance.deviation], 1e-9, 1e9), BalancePrior);
-    // Written so that one that is not a number is refused.
-    require!(balance.largest_change_rad > 0.0 && balance.largest_change_rad <= f32::INFINITY, LargestChange);
     require_length!(orders.len(), layout.orders as usize, BearingOrder);
     let mut rest = orders;
     while let [order, later @ ..] = rest {
-        require!(is_good(order, layout.harmonics as usize), BearingOrder);
+        within!(order.check());
+        require!(are_weights(&order.weights, layout.harmonics as usize), BearingOrder);
         rest = later;
     }
-    require!(layout.orders == 0 || are_good(&blocks), OrderBlock);
+    if layout.orders > 0 {
+        within!(blocks.check());
+    }
     Ok(())
 }
 
-const fn are_good(blocks: &Blocks) -> bool {
-    let Blocks { controls: [c0, c1, c2, c3], cell_turns_log2, slip, slowest_rad_s, pole, high_pass } = *blocks;
-    let positive = c0 > 0 && c1 > 0 && c2 > 0 && c3 > 0;
-    let highest = c0 <= MAX_ORDER_Q16 && c1 <= MAX_ORDER_Q16 && c2 <= MAX_ORDER_Q16 && c3 <= MAX_ORDER_Q16;
-    positive
-        && highest
-        && cell_turns_log2 >= -6
-        && cell_turns_log2 <= 10
-        && slip >= 0.0
-        && slip <= 0.1
-        && slowest_rad_s >= 1e-6
-        && slowest_rad_s <= 1e6
-        && pole >= 0.0
-        && pole < 1.0
-        && high_pass >= 0.0
-        && high_pass < 1.0
-}
-
-const fn is_good(order: &TrackedOrder, harmonics: usize) -> bool {
-    let (computed, rest) = split(&order.weights, harmonics);
-    order.order_q16 >= 1
-        && order.order_q16 <= MAX_ORDER_Q16
-        && all_within(&[order.slip_ratio], -10.0, 10.0)
-        && all_within(computed, 0.0, 1e3)
-        && !all_within(computed, 0.0, 1e-3)
-        && all_within(rest, 0.0, 0.0)
-        && all_within(&[order.needed_score], -1e6, 1e6)
-        && order.most_relative > 0.0
-        && order.most_a > 0.0
+/// Whether the weights of the harmonics that are computed are none negative and not all zero, and the others zero.
+const fn are_weights(weights: &[f32], harmonics: usize) -> bool {
+    let (computed, rest) = split(weights, harmonics);
+    all_within(computed, 0.0, 1e3) && !all_within(computed, 0.0, 1e-3) && all_within(rest, 0.0, 0.0)
 }
 
 const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
@@ -272,10 +242,10 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
     require_length!(parts.explained.len(), layout.explained(), Covariate);
     require!(all_within(parts.explained.as_flattened(), -LARGEST, LARGEST), Covariate);
     let mut covariates = parts.covariates;
-    while let [Covariate { feature, centre, low, high, usual }, rest @ ..] = covariates {
-        require!(feature.exists(layout), Covariate);
-        require!(all_within(&[*centre, *low, *high, *usual], -LARGEST, LARGEST), Covariate);
-        require!(*low <= *centre && *centre <= *high && *usual >= 0.0, Covariate);
+    while let [covariate, rest @ ..] = covariates {
+        within!(covariate.check());
+        let Covariate { feature, centre, low, high, .. } = *covariate;
+        require!(feature.exists(layout) && low <= centre && centre <= high, Covariate);
         covariates = rest;
     }
     require_length!(parts.feature_means.len(), layout.features as usize, Projection);
@@ -314,7 +284,12 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
         require!(parts.limit == f32::INFINITY || reaches(parts.knots, parts.limit, NOVEL), SurpriseCurve);
         if let [others, rising @ ..] = parts.laws {
             require!(parts.freedom >= 1.0 && parts.freedom <= LARGEST, RisingCoordinates);
-            require!(parts.acceptable > 1.0 && are_rises(parts.rises), RisingCoordinates);
+            require!(parts.acceptable > 1.0, RisingCoordinates);
+            let mut rises = parts.rises;
+            while let [rise, later @ ..] = rises {
+                within!(rise.check());
+                rises = later;
+            }
             require!(layout.rising == layout.coordinates || is_law(others), SurpriseCurve);
             let mut rest = rising;
             while let [law, later @ ..] = rest {
@@ -324,24 +299,12 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
         }
     }
     pass!(check_directions(parts));
-    let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = parts.evidence;
-    let alarms = limit > 0.0 && (limit <= MOST_NATS || limit == f32::INFINITY);
-    require!(bet > 0.0 && bet < 1.0 && alarms && cap > 0.0 && cap <= MOST_NATS, Evidence);
+    within!(parts.evidence.check());
+    let EvidenceConstants { limit, cap, log_mean, defect_log_mean, .. } = parts.evidence;
+    require!(limit > 0.0 && (limit <= MOST_NATS || limit == f32::INFINITY), Evidence);
     // A mean is at most the largest e-value.
-    require!(segments_a_run > 0 && all_within(&[log_mean, defect_log_mean], LEAST_LOG, cap), Evidence);
+    require!(log_mean <= cap && defect_log_mean <= cap, Evidence);
     Ok(())
-}
-
-/// Infinite scales and reaches have no meaning.
-const fn are_rises(rises: &[Rise]) -> bool {
-    let mut rest = rises;
-    while let [Rise { fall, reach }, later @ ..] = rest {
-        if !all_within(&[*fall], 0.0, 1e6) || !all_within(&[*reach], 0.0, 1e6) {
-            return false;
-        }
-        rest = later;
-    }
-    true
 }
 
 /// Directions are those of the healthy class.
@@ -356,15 +319,12 @@ const fn check_directions(parts: &Parts<'_>) -> Result<(), ModelError> {
     require!(layout.directions == 0 || (margin >= 0.0 && margin <= 10.0), Direction);
     let mut directions = parts.directions;
     while let [direction, rest @ ..] = directions {
-        let Direction { coordinate, background, centre, between, run, segment, skewness, correlation, .. } = *direction;
-        require!(coordinate < layout.coordinates, Direction);
-        require!(all_within(&[centre], -LARGEST, LARGEST), Direction);
-        require!(all_within(&[between, run, segment], LEAST_VARIANCE, LARGEST), Direction);
-        require!(all_within(&[skewness], 0.0, 10.0), Direction);
-        require!(all_within(&[correlation], 0.0, 0.999), Direction);
-        let mut left: &[Background] = &background;
-        while let [Background { coordinate, weight }, others @ ..] = left {
-            require!(*coordinate < layout.coordinates && all_within(&[*weight], -LARGEST, LARGEST), Direction);
+        within!(direction.check());
+        require!(direction.coordinate < layout.coordinates, Direction);
+        let mut left: &[Background] = &direction.background;
+        while let [background, others @ ..] = left {
+            within!(background.check());
+            require!(background.coordinate < layout.coordinates, Direction);
             left = others;
         }
         directions = rest;

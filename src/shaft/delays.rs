@@ -12,6 +12,7 @@
 //! 0.97.
 
 use crate::plan::{FILTERED_MOMENTS, MOMENTS};
+use crate::record::record;
 
 /// Longest lag that can be compensated, samples.
 pub const MAX_LAG: f32 = 5.0;
@@ -25,16 +26,18 @@ pub(super) const TAPS: usize = BEFORE as usize + 1;
 /// Samples by which (1) is late.
 const LATE: f32 = 3.0;
 
-/// Samples by which measured signals lag behind the angle, 0 … [`MAX_LAG`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Lags {
-    /// Lag of the current.
-    pub current: f32,
-    /// Lag of the velocity; that of differences of the angle is half a sample.
-    pub velocity: f32,
-    /// Lag of the load.
-    pub load: f32,
+record! {
+    /// Samples by which measured signals lag behind the angle, 0 … [`MAX_LAG`].
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct Lags: SignalLag {
+        /// Lag of the current.
+        pub current: f32 in [0.0, MAX_LAG],
+        /// Lag of the velocity; that of differences of the angle is half a sample.
+        pub velocity: f32 in [0.0, MAX_LAG],
+        /// Lag of the load.
+        pub load: f32 in [0.0, MAX_LAG],
+    }
 }
 
 /// How far the ring is read back for one signal.

@@ -38,7 +38,7 @@ pub use orders::{Bearing, OrderStrength};
 pub use state::ShaftEstimate;
 
 pub(crate) use balance::{Balance, LEAST_FROM_ROWS, StateVariable};
-pub(crate) use delays::{Lags, MAX_LAG};
+pub(crate) use delays::Lags;
 pub(crate) use orders::{Blocks, MAX_BLOCKS, TrackedOrder, least_steps};
 pub(crate) use solve::ShaftSolve;
 pub(crate) use state::{Shaft, ShaftSums};

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::samples::Numbers;
 use super::sink::{Sink, TooSmall};
 use super::split;
-use crate::model::{Buffer, Feature, Model, Reader, Sampling, Writer};
+use crate::model::{Feature, Model, Sampling};
 use crate::plan::{Cells, Plan};
 
 #[derive(Serialize, Deserialize)]
@@ -88,9 +88,7 @@ pub(super) fn write<P: Plan>(model: &Model<P>, source: Source, sink: &mut Sink<'
         orders: layout.shaft.map_or(0, |shaft| shaft.orders),
     })?;
     for feature in constants.classifier.features.cells() {
-        let mut code = [0; 2];
-        Writer(Buffer { free: &mut code, written: 0 }).feature(*feature).map_err(|_| TooSmall)?;
-        sink.bytes(&code)?;
+        sink.bytes(&feature.code())?;
     }
     for place in 0..layout.coordinates {
         let feature = constants.classifier.projection.feature(place.into());
@@ -155,7 +153,7 @@ impl<'a> Hello<'a> {
     /// The features of the model, in the order of [`Summary::features`](super::Summary::features).
     pub fn features(&self) -> impl Iterator<Item = Option<Feature>> + use<'a> {
         let (codes, _) = self.features.as_chunks::<2>();
-        codes.iter().map(|code| Reader(code).feature().ok())
+        codes.iter().map(|code| Feature::of_code(*code))
     }
 
     /// The feature that each coordinate is, by its place; `None` for a combination.

@@ -15,7 +15,7 @@
 #include "bearing_watch.h"
 
 /* Number of the model, for `bw_init_own`: another model has another one. */
-#define BW_MODEL_ID 0x246eb21du
+#define BW_MODEL_ID 0x1e1f5611u
 /* Number of bytes. */
 #define BW_MODEL_LENGTH 1598u
 /* Interval of the samples, s; 0 if it is unknown. */

@@ -10,7 +10,7 @@
 #include "bearing_watch.h"
 
 /* Number of the model, for `bw_init_own`: another model has another one. */
-#define BW_MODEL_ID 0xa3642cb8u
+#define BW_MODEL_ID 0x49f1e421u
 /* Number of bytes. */
 #define BW_MODEL_LENGTH 662u
 /* Interval of the samples, s; 0 if it is unknown. */

@@ -13,44 +13,52 @@
 
 use crate::decide::FeatureValue;
 use crate::plan::{Array, Cells, Fixed, Plan};
+use crate::record::{LARGEST, record};
 use crate::regression::factor::pairs;
+
+/// Smallest variance of a direction.
+const LEAST_VARIANCE: f32 = 1e-12;
 
 /// Most coordinates in the background of a direction.
 pub const MAX_BACKGROUND: usize = 4;
 
-/// A coordinate in the background of a direction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Background {
-    /// Its place.
-    pub coordinate: u8,
-    /// β of (1); 0 if there is none.
-    pub weight: f32,
+record! {
+    /// A coordinate in the background of a direction.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct Background: Direction {
+        /// Its place.
+        pub coordinate: u8,
+        /// β of (1); 0 if there is none.
+        pub weight: f32 in [-LARGEST, LARGEST],
+    }
 }
 
-/// A direction with its law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Direction {
-    /// The coordinate that a defect raises.
-    pub coordinate: u8,
-    /// Whether it is the strength of a bearing order, which names the race. An alarm names it before friction, which a
-    /// defect of a race raises too.
-    pub order: bool,
-    /// What explains a part of it.
-    pub background: [Background; MAX_BACKGROUND],
-    /// c of (1): the mean of drives.
-    pub centre: f32,
-    /// U, the variance between drives.
-    pub between: f32,
-    /// B, the variance between runs of a drive.
-    pub run: f32,
-    /// W, the variance between segments of a run.
-    pub segment: f32,
-    /// Skewness of the means of runs.
-    pub skewness: f32,
-    /// ρ, the correlation of b of (2) between successive runs of a drive.
-    pub correlation: f32,
+record! {
+    /// A direction with its law.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct Direction: Direction {
+        /// The coordinate that a defect raises.
+        pub coordinate: u8,
+        /// Whether it is the strength of a bearing order, which names the race. An alarm names it before friction, which a
+        /// defect of a race raises too.
+        pub order: bool,
+        /// What explains a part of it.
+        pub background: [Background; MAX_BACKGROUND],
+        /// c of (1): the mean of drives.
+        pub centre: f32 in [-LARGEST, LARGEST],
+        /// U, the variance between drives.
+        pub between: f32 in [LEAST_VARIANCE, LARGEST],
+        /// B, the variance between runs of a drive.
+        pub run: f32 in [LEAST_VARIANCE, LARGEST],
+        /// W, the variance between segments of a run.
+        pub segment: f32 in [LEAST_VARIANCE, LARGEST],
+        /// Skewness of the means of runs.
+        pub skewness: f32 in [0.0, 10.0],
+        /// ρ, the correlation of b of (2) between successive runs of a drive.
+        pub correlation: f32 in [0.0, 0.999],
+    }
 }
 
 impl Direction {

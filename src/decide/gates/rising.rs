@@ -27,6 +27,7 @@ use core::f32::consts::{LN_2, LN_10};
 
 use super::law::{Law, equivalent, surprise};
 use crate::logarithm::{ln, ln_of_level};
+use crate::record::record;
 use crate::regression::factor::pairs;
 
 /// A value that is not available.
@@ -35,14 +36,16 @@ pub(crate) const MISSING: f32 = f32::NEG_INFINITY;
 const FALLS: f32 = 0.1;
 const LN_FALLS: f32 = -LN_10;
 
-/// What the gate has of a rising coordinate beside its law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Rise {
-    /// f of (4); 0 if a fall is no finding.
-    pub fall: f32,
-    /// Deviations by which a defect must raise the coordinate, so that it is found with a probability of 90 %.
-    pub reach: f32,
+record! {
+    /// What the gate has of a rising coordinate beside its law.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct Rise: RisingCoordinates {
+        /// f of (4); 0 if a fall is no finding.
+        pub fall: f32 in [0.0, 1e6],
+        /// Deviations by which a defect must raise the coordinate, so that it is found with a probability of 90 %.
+        pub reach: f32 in [0.0, 1e6],
+    }
 }
 
 impl Rise {

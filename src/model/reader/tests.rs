@@ -4,9 +4,12 @@
 use std::vec::Vec;
 
 use super::*;
-use crate::decide::{Law, Rise};
-use crate::plan::RunTime;
+use crate::decide::{Background, Law};
+use crate::model::TERMS;
+use crate::plan::{MAX_HARMONICS, RunTime};
 use crate::reason::FrictionTerm;
+use crate::shaft::StateVariable;
+use crate::signal::Label;
 
 /// Bytes whose numbers are 1, 2, 3 … in their order.
 #[derive(Default)]
@@ -75,7 +78,7 @@ const LAYOUT: [u8; 37] = [
 
 #[test]
 fn each_byte_of_a_layout_has_its_place() {
-    let mut reader = Reader(&LAYOUT);
+    let mut input = Input::new(&LAYOUT);
     let signal = |channel, minus| Signal { channel, minus };
     let expected = Layout {
         channels: 3,
@@ -104,9 +107,10 @@ fn each_byte_of_a_layout_has_its_place() {
         classes: 3,
         discriminant: Kind::Quadratic,
     };
-    assert_eq!(reader.layout(), Ok(expected));
-    assert_eq!(reader.0, [0xAA; 3]);
-    assert_eq!(Reader(&[2, 0, 0, 4, 0, 1, 0, 1, 0, 1, 2, 0]).layout().map(|layout| layout.regression), Ok(None));
+    assert_eq!(read_layout(&mut input), Ok(expected));
+    assert_eq!((input.array(), input.finish()), ([0xAA; 3], Ok(())));
+    let mut without = Input::new(&[2, 0, 0, 4, 0, 1, 0, 1, 0, 1, 2, 0]);
+    assert_eq!(read_layout(&mut without).map(|layout| layout.regression), Ok(None));
 }
 
 #[test]
@@ -114,7 +118,7 @@ fn variants_are_those_of_their_bytes_and_no_others() {
     let at = |place: usize, byte: u8| {
         let mut bytes = LAYOUT;
         bytes[place] = byte;
-        let layout = Reader(&bytes).layout()?;
+        let layout = read_layout(&mut Input::new(&bytes))?;
         Ok(layout.regression.map(|regression| (regression.structure.offset, regression.method, regression.memory)))
     };
     let (squares, instruments) = (Method::LeastSquares, Method::Instruments);
@@ -123,16 +127,21 @@ fn variants_are_those_of_their_bytes_and_no_others() {
     assert_eq!(at(9, 0), Ok(Some((true, instruments, Memory::Segment))));
     // Flags are 0 or 1, memories 0 or 2.
     for (place, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (33, 2), (9, 1), (9, 3), (1, 0xFF), (9, 0xFF)] {
-        assert_eq!(at(place, byte), Err(ModelError::OutOfRange(Field::Layout)), "{place} {byte}");
+        assert_eq!(at(place, byte), Err(Fault::OutOfRange(Field::Layout)), "{place} {byte}");
     }
     for length in 0..LAYOUT.len() - 3 {
-        assert_eq!(Reader(&LAYOUT[..length]).layout(), Err(ModelError::Truncated), "{length} bytes");
+        assert_eq!(read_layout(&mut Input::new(&LAYOUT[..length])), Err(Fault::Truncated), "{length} bytes");
     }
 }
 
 #[test]
 fn features_are_those_of_their_bytes_and_no_others() {
-    let read = |kind, place| Reader(&[kind, place]).feature();
+    let read = |kind, place| {
+        let bytes = [kind, place];
+        let mut input = Input::new(&bytes);
+        let feature = Feature::get(&mut input);
+        input.finish().map(|()| feature)
+    };
     let expected = [
         (0, 7, Feature::Parameter(7)),
         (1, 0, Feature::LogVariance),
@@ -149,10 +158,10 @@ fn features_are_those_of_their_bytes_and_no_others() {
         assert_eq!(read(kind, place), Ok(feature));
     }
     for (kind, place) in [(2, 8), (3, 0xFF), (7, 8)] {
-        assert_eq!(read(kind, place), Err(ModelError::OutOfRange(Field::Feature)), "{kind} {place}");
+        assert_eq!(read(kind, place), Err(Fault::OutOfRange(Field::Feature)), "{kind} {place}");
     }
     for kind in [10, 0xFF] {
-        assert_eq!(read(kind, 0), Err(ModelError::Version { given: 12, supported: 11 }), "{kind}");
+        assert_eq!(read(kind, 0), Err(Fault::Newer), "{kind}");
     }
 }
 
@@ -217,12 +226,13 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     payload.word(); // 63 to 66: controls
     payload.byte(); // 67: width of a cell
     payload.floats(4); // from 68: slip, slowest, pole, high-pass
-    let mut reader = Reader(&payload.bytes);
-    // The classifier is missing.
-    assert_eq!(read(&mut reader, small()).err(), Some(ModelError::Truncated));
-    assert!(reader.0.is_empty());
+    let mut input = Input::new(&payload.bytes);
+    let _without_classifier = read(&mut input, small());
+    assert_eq!(input.finish(), Err(Fault::Truncated));
     classifier(&mut payload);
-    let constants = read(&mut Reader(&payload.bytes), small()).expect("numbers");
+    let mut input = Input::new(&payload.bytes);
+    let constants = read(&mut input, small());
+    assert_eq!(input.finish(), Ok(()));
     let sampling = Sampling { interval_s: 1.0, park: Some(Park::Thesis), block_mean: 2, segment_samples: 3 };
     assert_eq!(constants.sampling, sampling);
     let channel = &constants.channels[0];
@@ -285,7 +295,7 @@ fn classifier(payload: &mut Payload) {
 fn numbers_of_classifier_and_alarm_are_in_the_order_of_the_format() {
     let mut payload = Payload { count: 68, ..Payload::default() };
     classifier(&mut payload);
-    let classifier = read_classifier(&mut Reader(&payload.bytes), small()).expect("numbers");
+    let classifier = read_classifier(&mut Input::new(&payload.bytes), small());
     assert_eq!(classifier.features, [Feature::ChannelMean(0), Feature::OrderScore(0)]);
     let Covariate { feature, centre, low, high, usual } = classifier.covariates.list[0];
     assert_eq!((feature, [centre, low, high, usual]), (Feature::ChannelRms(0), from(69)));

@@ -24,8 +24,6 @@ use crate::plan::{Array, Memory, Plan};
 
 /// Largest number of rows of a segment summed in one factor: more would cost accuracy in single precision.
 pub const MAX_SEGMENT_ROWS: u32 = 100_000;
-/// Largest λ: a memory of 1e4 rows.
-pub const MAX_LAMBDA: f32 = 0.9999;
 
 /// Part of its final mass from which a fading memory counts as full.
 const FULL: f32 = 0.9;

@@ -12,8 +12,8 @@ mod triangle;
 mod weight;
 
 pub use kernels::{numbered, pairs};
-pub use memory::{MAX_LAMBDA, MAX_SEGMENT_ROWS, Sums, longest};
+pub use memory::{MAX_SEGMENT_ROWS, Sums, longest};
 pub use problem::{Problem, SolveError, Solved, lower};
 pub use solve::Solution;
 pub use triangle::{Row, Triangle};
-pub use weight::{Forgetting, Mass, NEVER};
+pub use weight::{Forgetting, MAX_LAMBDA, Mass, NEVER};

@@ -2,19 +2,26 @@
 //!
 //! The number (1) is that of [`super::triangle`].
 
+use crate::record::record;
+
 /// Nothing is forgotten.
 pub const NEVER: Forgetting = Forgetting { lambda: 1.0, floor: 0.0 };
 /// Weight of the diagonal before the first row. It is too small to bias data that are scaled to rms ≈ 1.
 pub const PRIOR: f32 = 1e-16;
 
-/// Exponential forgetting for endless streams: factor λ < 1 a row, and the floor δ of the diagonal in (1).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Forgetting {
-    /// Factor λ a row.
-    pub lambda: f32,
-    /// Floor δ above zero: 1 % of 1/(1−λ) on data scaled to rms ≈ 1.
-    pub floor: f32,
+/// Largest λ: a memory of 1e4 rows.
+pub const MAX_LAMBDA: f32 = 0.9999;
+
+record! {
+    /// Exponential forgetting for endless streams: factor λ < 1 a row, and the floor δ of the diagonal in (1).
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct Forgetting: ForgettingFactor {
+        /// Factor λ a row.
+        pub lambda: f32 in [0.0, MAX_LAMBDA],
+        /// Floor δ above zero: 1 % of 1/(1−λ) on data scaled to rms ≈ 1.
+        pub floor: f32 in [f32::MIN_POSITIVE, 1e6] or ForgettingFloor,
+    }
 }
 
 /// The weight of the rows in a factor.

@@ -39,6 +39,7 @@
 use super::friction::{Friction, Parameter};
 use super::state_variable::{Cell, StateVariable};
 use crate::reason::FrictionTerm;
+use crate::record::{LONGEST_S, record};
 use crate::regression::factor::NEVER;
 use crate::regression::factor::kernels::{packed, pairs, rotate_pivot, rotate_pivot_small};
 use crate::unroll::rolled;
@@ -57,42 +58,45 @@ pub const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
 const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
 const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];
 
-/// Constants of the torque balance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Balance {
-    /// Sampling interval Ts.
-    pub interval_s: f32,
-    /// The low-pass before the rows of (1).
-    pub filter: StateVariable,
-    /// Samples from row to row.
-    pub row_interval: u8,
-    /// Samples withheld until the filters have settled.
-    pub settle: u16,
-    /// `ω_r` of (2): about three standard deviations of the velocity's noise.
-    pub sign_velocity_rad_s: f32,
-    /// `ω_s` of (1).
-    pub stribeck_velocity_rad_s: f32,
-    /// ω₀ of (4).
-    pub usual_velocity_rad_s: f32,
-    /// T₀ of (4).
-    pub usual_load_nm: f32,
-    /// Rows per independent row: the filter makes neighbouring rows alike.
-    pub row_spread: f32,
-    /// Power-of-two factors of the columns of (1) and of i that scale them to rms ≈ 1.
-    pub scale: [f32; COLUMNS],
-    /// p₀ … p₆ of the healthy drive.
-    pub nominal: [f32; TERMS],
-    /// Prior deviations of p₀ … p₆.
-    pub prior: [f32; TERMS],
-    /// Standard deviation of a healthy row's residual, A.
-    pub deviation: f32,
-    /// Largest change of the angle's motion from one sample to the next, rad: a larger one is no motion of the shaft.
-    /// Infinite if it is not checked.
-    pub largest_change_rad: f32,
-    /// Number of rows of a segment after which the residual of the orders is formed with the segment's own parameters;
-    /// until then it is formed with those of the segment before. With 65535 it is always formed with the nominal ones.
-    pub own_from_rows: u16,
+record! {
+    /// Constants of the torque balance.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct Balance: BalanceInterval {
+        /// Sampling interval Ts.
+        pub interval_s: f32 in [f32::MIN_POSITIVE, LONGEST_S],
+        /// The low-pass before the rows of (1).
+        pub filter: StateVariable,
+        /// Samples from row to row.
+        pub row_interval: u8 in [1, u8::MAX] or RowInterval,
+        /// Samples withheld until the filters have settled.
+        pub settle: u16,
+        /// `ω_r` of (2): about three standard deviations of the velocity's noise.
+        pub sign_velocity_rad_s: f32 in [1e-6, 1e6] or BalanceVelocity,
+        /// `ω_s` of (1).
+        pub stribeck_velocity_rad_s: f32 in [1e-6, 1e6] or BalanceVelocity,
+        /// ω₀ of (4).
+        pub usual_velocity_rad_s: f32 in [1e-6, 1e6] or BalanceVelocity,
+        /// T₀ of (4).
+        pub usual_load_nm: f32 in [0.0, 1e6] or BalanceVelocity,
+        /// Rows per independent row: the filter makes neighbouring rows alike.
+        pub row_spread: f32 in [1.0, 1e3] or RowInterval,
+        /// Standard deviation of a healthy row's residual, A.
+        pub deviation: f32 in [1e-9, 1e9] or BalancePrior,
+        /// Number of rows of a segment after which the residual of the orders is formed with the segment's own
+        /// parameters; until then it is formed with those of the segment before. With 65535 it is always formed with
+        /// the nominal ones.
+        pub own_from_rows: u16,
+        /// Power-of-two factors of the columns of (1) and of i that scale them to rms ≈ 1.
+        pub scale: [f32; COLUMNS],
+        /// p₀ … p₆ of the healthy drive.
+        pub nominal: [f32; TERMS] in [-1e12, 1e12] or BalanceNominal,
+        /// Prior deviations of p₀ … p₆.
+        pub prior: [f32; TERMS] in [1e-12, 1e12] or BalancePrior,
+        /// Largest change of the angle's motion from one sample to the next, rad: a larger one is no motion of the
+        /// shaft. Infinite if it is not checked.
+        pub largest_change_rad: f32 in [f32::MIN_POSITIVE, f32::INFINITY] or LargestChange,
+    }
 }
 
 /// The signals of the balance at one instant.

@@ -15,16 +15,20 @@
 //! Trapezoidal integrators (Zavalishin, *The Art of VA Filter Design*, §4) make ẏ exactly the bilinear derivative of y.
 //! Signals behind the same filter keep every linear equation that holds between them.
 
-/// Constants of (1) and (2), shared by all filters of a bank.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StateVariable {
-    /// `g = tan(π f_c Ts)`, above 0; below 1 for cut-offs below a quarter of the sampling rate.
-    pub gain: f32,
-    /// 1/(1 + g (g + √2)).
-    pub damping: f32,
-    /// 2 g/Ts, 1/s.
-    pub rate_per_s: f32,
+use crate::record::record;
+
+record! {
+    /// Constants of (1) and (2), shared by all filters of a bank.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    pub struct StateVariable: BalanceFilter {
+        /// `g = tan(π f_c Ts)`, above 0; below 1 for cut-offs below a quarter of the sampling rate.
+        pub gain: f32 in [1e-4, 10.0],
+        /// 1/(1 + g (g + √2)).
+        pub damping: f32,
+        /// 2 g/Ts, 1/s.
+        pub rate_per_s: f32,
+    }
 }
 
 /// State of one filter.

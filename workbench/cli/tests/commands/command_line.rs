@@ -243,7 +243,7 @@ fn bad_models_are_refused() {
     let evaluate = |model: &str| format!("evaluate --model {model} --labels labels.csv --out v.csv");
     refuse(dir, &evaluate("short.bwm"), &["short.bwm", "truncated", "train it again"]);
     refuse(dir, &evaluate("corrupt.bwm"), &["corrupt.bwm", "corrupted"]);
-    refuse(dir, &evaluate("newer.bwm"), &["newer.bwm", "version 12", "reads version 11", "train the model again"]);
+    refuse(dir, &evaluate("newer.bwm"), &["newer.bwm", "newer format version 12", "reads 11", "update this program"]);
     refuse(dir, &evaluate("text.bwm"), &["text.bwm", "not a bearing-watch model"]);
     refuse(dir, &evaluate("absent.bwm"), &["absent.bwm"]);
     let other = "evaluate --model m.bwm --labels other.csv --out v.csv";

@@ -128,6 +128,7 @@ impl ModelFile {
 fn of_bytes(path: &Path, bytes: &[u8]) -> Result<(Embedded, Notes), Error> {
     let wrong = |problem: bearing_watch::ModelError| {
         let remedy = match problem {
+            bearing_watch::ModelError::Version { given, supported } if given > supported => "",
             bearing_watch::ModelError::Version { .. } => " with `bearing-watch train`",
             _ => "; train it again with `bearing-watch train`",
         };

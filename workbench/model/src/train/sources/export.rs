@@ -1,11 +1,11 @@
 //! A trained model as Rust source: the plan, the sample type, and the constants in flash, which are checked at compile
 //! time.
 
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 
 use bearing_watch::model::{
-    Background, Balance, Blocks, Channel, Classifier, Covariate, Covariates, Direction, Directions, EvidenceConstants,
-    Feature, KNOTS, Law, Regression, Rise, Sampling, ShaftConstants,
+    Channel, Classifier, Covariate, Covariates, Directions, EvidenceConstants, Feature, KNOTS, Law, Regression,
+    Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
 use bearing_watch::{FrictionTerm, Park};
@@ -73,6 +73,9 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     Ok(out.0)
 }
 
+/// Columns of a line of records.
+const WIDTH: usize = 120;
+
 /// Source text that is being written.
 #[derive(Default)]
 struct Source(String);
@@ -94,6 +97,24 @@ impl Source {
             self.line(depth + 1, &format!("{},", row.join(", ")));
         }
         self.line(depth, "],");
+    }
+
+    /// Writes a record, or a list of them, as `Debug` prints it, after `before`: on one line if it fits.
+    fn record(&mut self, depth: usize, before: &str, text: &str) {
+        let opening = text.find(['{', '[']);
+        let (Some(opening), false) = (opening, 4 * depth + before.len() + text.len() < WIDTH) else {
+            return self.line(depth, &format!("{before}{text},"));
+        };
+        let (head, rest) = text.split_at(opening + 1);
+        let (inner, closing) = rest.split_at(rest.len() - 1);
+        self.line(depth, &format!("{before}{head}"));
+        let mut nesting = 0_i32;
+        let ends = |mark: char| {
+            nesting += i32::from("[{(".contains(mark)) - i32::from("]})".contains(mark));
+            mark == ',' && nesting == 0
+        };
+        inner.trim().split(ends).for_each(|part| self.record(depth + 1, "", part.trim()));
+        self.line(depth, &format!("{closing},"));
     }
 
     /// Writes a field with upper triangles of `size` rows.
@@ -245,8 +266,7 @@ fn regression(out: &mut Source, regression: &Regression<RunTime>) {
     out.line(1, "regression: [Regression {");
     out.numbers(2, "scale", scale, 12);
     out.numbers(2, "nominal", nominal, 8);
-    let (lambda, floor) = (number(forgetting.lambda), number(forgetting.floor));
-    out.line(2, &format!("forgetting: Forgetting {{ lambda: {lambda}, floor: {floor} }},"));
+    out.line(2, &format!("forgetting: {},", literal(forgetting)));
     out.line(2, &format!("rest: {},", number(*rest)));
     out.line(2, &format!("settle: {settle},"));
     out.line(2, &format!("handover: {handover},"));
@@ -255,53 +275,14 @@ fn regression(out: &mut Source, regression: &Regression<RunTime>) {
 
 fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
     let ShaftConstants { lags, balance, tracking } = shaft;
-    let Balance { interval_s, filter, row_interval, settle, own_from_rows, .. } = balance;
-    let (interval, gain) = (number(*interval_s), number(filter.gain));
-    let [current, velocity, load] = [lags.current, lags.velocity, lags.load].map(number);
     out.line(1, "shaft: [ShaftConstants {");
-    out.line(2, &format!("lags: Lags {{ current: {current}, velocity: {velocity}, load: {load} }},"));
-    out.line(2, "balance: Balance {");
-    out.line(3, &format!("interval_s: {interval},"));
-    out.line(3, &format!("filter: StateVariable::new({gain}, {interval}),"));
-    out.line(3, &format!("row_interval: {row_interval},"));
-    out.line(3, &format!("settle: {settle},"));
-    out.line(3, &format!("own_from_rows: {own_from_rows},"));
-    for (name, value) in [
-        ("sign_velocity_rad_s", balance.sign_velocity_rad_s),
-        ("stribeck_velocity_rad_s", balance.stribeck_velocity_rad_s),
-        ("usual_velocity_rad_s", balance.usual_velocity_rad_s),
-        ("usual_load_nm", balance.usual_load_nm),
-        ("row_spread", balance.row_spread),
-        ("deviation", balance.deviation),
-        ("largest_change_rad", balance.largest_change_rad),
-    ] {
-        out.line(3, &format!("{name}: {},", number(value)));
-    }
-    out.numbers(3, "scale", &balance.scale, 8);
-    out.numbers(3, "nominal", &balance.nominal, 8);
-    out.numbers(3, "prior", &balance.prior, 8);
-    out.line(2, "},");
+    out.line(2, &format!("lags: {},", literal(lags)));
+    out.record(2, "balance: ", &literal(balance));
     out.line(2, "tracking: Tracking {");
     out.line(3, "orders: [");
-    for order in &tracking.orders {
-        let weights = list(&order.weights);
-        let (order_q16, ratio) = (order.order_q16, number(order.slip_ratio));
-        let [needed, relative, most] = [order.needed_score, order.most_relative, order.most_a].map(number);
-        out.line(4, "TrackedOrder {");
-        out.line(5, &format!("order_q16: {order_q16}, weights: {weights}, slip_ratio: {ratio},"));
-        out.line(5, &format!("needed_score: {needed}, most_relative: {relative}, most_a: {most},"));
-        out.line(4, "},");
-    }
+    tracking.orders.iter().for_each(|order| out.record(4, "", &literal(order)));
     out.line(3, "],");
-    let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole, high_pass } = &tracking.blocks;
-    out.line(3, "blocks: Blocks {");
-    out.line(4, &format!("controls: {controls:?},"));
-    out.line(4, &format!("cell_turns_log2: {cell_turns_log2},"));
-    out.line(4, &format!("slip: {},", number(*slip)));
-    out.line(4, &format!("slowest_rad_s: {},", number(*slowest_rad_s)));
-    out.line(4, &format!("pole: {},", number(*pole)));
-    out.line(4, &format!("high_pass: {},", number(*high_pass)));
-    out.line(3, "},");
+    out.record(3, "blocks: ", &literal(&tracking.blocks));
     out.line(2, "},");
     out.line(1, "}],");
 }
@@ -341,11 +322,7 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
             out.triangles(3, "factor", &novelty.factor, z);
             curve(out, 3, "knots: ", &novelty.knots);
             laws(out, &novelty.laws);
-            let rises = novelty
-                .rises
-                .iter()
-                .map(|Rise { fall, reach }| format!("Rise {{ fall: {}, reach: {} }}", number(*fall), number(*reach)));
-            out.line(3, &format!("rises: [{}],", rises.collect::<Vec<_>>().join(", ")));
+            out.record(3, "rises: ", &literal(&novelty.rises));
             out.line(3, &format!("freedom: {},", number(novelty.freedom)));
             out.line(3, &format!("acceptable: {},", number(novelty.acceptable)));
             out.line(3, &format!("limit: {},", number(novelty.limit)));
@@ -362,28 +339,7 @@ fn directions(out: &mut Source, Directions { list, usual_segments, margin, most_
     }
     out.line(3, "directions: Directions {");
     out.line(4, "list: [");
-    for direction in list {
-        let Direction { coordinate, order, background, centre, between, run, segment, skewness, correlation } =
-            direction;
-        out.line(5, "Direction {");
-        out.line(6, &format!("coordinate: {coordinate},"));
-        out.line(6, &format!("order: {order},"));
-        out.line(6, "background: [");
-        for Background { coordinate, weight } in background {
-            out.line(7, &format!("Background {{ coordinate: {coordinate}, weight: {} }},", number(*weight)));
-        }
-        out.line(6, "],");
-        let numbers = [
-            ("centre", centre),
-            ("between", between),
-            ("run", run),
-            ("segment", segment),
-            ("skewness", skewness),
-            ("correlation", correlation),
-        ];
-        numbers.into_iter().for_each(|(name, value)| out.line(6, &format!("{name}: {},", number(*value))));
-        out.line(5, "},");
-    }
+    list.iter().for_each(|direction| out.record(5, "", &literal(direction)));
     out.line(4, "],");
     out.line(4, &format!("usual_segments: {},", number(*usual_segments)));
     out.line(4, &format!("margin: {},", number(*margin)));
@@ -450,16 +406,12 @@ const fn feature_with_term(feature: Feature) -> Option<(&'static str, FrictionTe
 }
 
 pub(crate) fn evidence(constants: &EvidenceConstants) -> String {
-    let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = *constants;
-    if *constants == EvidenceConstants::NONE {
-        return "EvidenceConstants::NONE".into();
-    }
-    let [bet, limit, cap] = [bet, limit, cap].map(number);
-    let [log_mean, defect_log_mean] = [log_mean, defect_log_mean].map(number);
-    format!(
-        "EvidenceConstants {{ bet: {bet}, limit: {limit}, cap: {cap}, segments_a_run: {segments_a_run}, log_mean: \
-         {log_mean}, defect_log_mean: {defect_log_mean} }}"
-    )
+    if *constants == EvidenceConstants::NONE { "EvidenceConstants::NONE".into() } else { literal(constants) }
+}
+
+/// A record of numbers as source: `Debug` prints each `f32` as the shortest decimal that parses to it.
+fn literal(record: &impl fmt::Debug) -> String {
+    format!("{record:?}").replace("inf", "f32::INFINITY")
 }
 
 /// Returns the shortest decimal that parses to the same `f32`.

@@ -1,0 +1,108 @@
+//! The fields of a model, by which a refusal names what is wrong.
+
+/// A field of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "each variant is named as its field; `name` has the words")]
+pub enum Field {
+    SamplingInterval,
+    BlockMean,
+    SegmentLength,
+    ChannelName,
+    ChannelLimit,
+    Saturation,
+    StuckSamples,
+    ColumnScale,
+    LimitTimesScale,
+    NominalModel,
+    NominalStability,
+    RestThreshold,
+    Settling,
+    Handover,
+    ForgettingFactor,
+    ForgettingFloor,
+    SignalLag,
+    BalanceInterval,
+    BalanceFilter,
+    RowInterval,
+    BalanceVelocity,
+    BalanceScale,
+    BalanceNominal,
+    BalancePrior,
+    LargestChange,
+    BearingOrder,
+    OrderBlock,
+    Feature,
+    Covariate,
+    Projection,
+    ClassDensity,
+    Prior,
+    Cost,
+    HealthyClass,
+    HealthyDensity,
+    SurpriseCurve,
+    NoveltyLimit,
+    /// At most all coordinates rise, and only with a shaft.
+    RisingCoordinates,
+    /// At most 8, and only with a healthy class.
+    Direction,
+    Evidence,
+    Label,
+    Layout,
+    Notes,
+    Flags,
+}
+
+impl Field {
+    /// The field in words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SamplingInterval => "sampling interval",
+            Self::BlockMean => "block mean",
+            Self::SegmentLength => "segment length",
+            Self::ChannelName => "channel name or unit",
+            Self::ChannelLimit => "channel limit",
+            Self::Saturation => "saturation",
+            Self::StuckSamples => "number of stuck samples",
+            Self::ColumnScale => "column scale",
+            Self::LimitTimesScale => "channel limit times column scale",
+            Self::NominalModel => "nominal model",
+            Self::NominalStability => "nominal model (it must be stable)",
+            Self::RestThreshold => "rest threshold",
+            Self::Settling => "settling time in relation to the segment length",
+            Self::Handover => "handover",
+            Self::ForgettingFactor => "forgetting factor",
+            Self::ForgettingFloor => "forgetting floor",
+            Self::SignalLag => "lag of a signal of the shaft",
+            Self::BalanceInterval => "sampling interval of the torque balance",
+            Self::BalanceFilter => "filter of the torque balance",
+            Self::RowInterval => "row interval of the torque balance",
+            Self::BalanceVelocity => "velocity of the Coulomb sign, of the Stribeck friction or of the drag",
+            Self::BalanceScale => "scale of the torque balance",
+            Self::BalanceNominal => "nominal torque balance",
+            Self::BalancePrior => "prior deviation of the torque balance",
+            Self::LargestChange => "largest change of the motion",
+            Self::BearingOrder => "bearing order or its weights",
+            Self::OrderBlock => "cells, slip, controls or filter of the order tracking",
+            Self::Feature => "feature",
+            Self::Covariate => "range or coefficients of a covariate",
+            Self::Projection => "projection",
+            Self::ClassDensity => "class density",
+            Self::Prior => "class prior",
+            Self::Cost => "cost",
+            Self::HealthyClass => "healthy class",
+            Self::HealthyDensity => "healthy density",
+            Self::SurpriseCurve => "surprise curve",
+            Self::NoveltyLimit => "novelty limit",
+            Self::RisingCoordinates => "rising coordinates",
+            Self::Direction => "direction that the alarm watches",
+            Self::Evidence => "evidence constants",
+            Self::Label => "class label",
+            Self::Layout => "layout",
+            Self::Notes => "notes",
+            Self::Flags => "header flags",
+        }
+    }
+}
