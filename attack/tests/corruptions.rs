@@ -12,7 +12,7 @@ const RANDOM: u32 = 1_000_000;
 
 /// What a detector of a model reports of a stream.
 fn reports(model: &Model<RunTime>) -> Vec<Report<RunTime>> {
-    let channels = usize::from(bearing_watch::plan::Plan::layout(model.plan()).channels);
+    let channels = usize::from(model.plan().layout().channels);
     let (mut detector, mut numbers) = (Detector::new(model), Numbers(3));
     let mut sample = || RunTimeSample { values: numbers.array::<16>()[..channels].to_vec(), ..Default::default() };
     (0..300).filter_map(|_| detector.step(&sample())).collect()

@@ -3,7 +3,6 @@
 use core::ffi::{CStr, c_char};
 
 use bearing_watch::drive::RotorFrame;
-use bearing_watch::plan::Plan as _;
 use bearing_watch::{Angle, Kernel, Park, known_answer_test};
 
 use crate::code::{BwCode, Outcome, code};

@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use bearing_watch::plan::{MAX_CHANNELS, Plan, Signals as _};
+use bearing_watch::plan::{MAX_CHANNELS, Signals as _};
 use bearing_watch::{Angle, Exchange};
 
 use crate::code::{BwCode, Outcome, code};

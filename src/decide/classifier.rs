@@ -6,12 +6,12 @@ use super::features::Feature;
 use super::gates::Novelty;
 use super::projection::Projection;
 use super::verdict::Verdict;
-use crate::plan::{Array, Cells, Kind, Plan};
+use crate::plan::{Array, Cells, ClassifierLengths, Kind};
 
 /// The trained constants of the classifier.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Classifier<P: Plan> {
+pub struct Classifier<P: ClassifierLengths> {
     /// The features.
     pub features: Array<P::Features, Feature>,
     /// What explains a part of the features.
@@ -24,7 +24,7 @@ pub struct Classifier<P: Plan> {
     pub novelty: Novelty<P>,
 }
 
-impl<P: Plan> Classifier<P> {
+impl<P: ClassifierLengths> Classifier<P> {
     /// Decides from log-likelihoods and a surprise, for instance of several segments together; `None` if no likelihood
     /// is finite.
     #[must_use]

@@ -17,7 +17,7 @@
 //! 46 %. Cost: 6 V operations a feature.
 
 use super::features::{Feature, FeatureValue};
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, ClassifierLengths};
 use crate::record::{LARGEST, record};
 use crate::regression::factor::pairs;
 
@@ -62,14 +62,14 @@ impl Covariate {
 /// The covariates of a classifier.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Covariates<P: Plan> {
+pub struct Covariates<P: ClassifierLengths> {
     /// The covariates.
     pub list: Array<P::Covariates, Covariate>,
     /// [a, b] of (3), one row of V a feature; zeros if the covariate explains nothing of it.
     pub map: Array<P::Explained, [f32; 2]>,
 }
 
-impl<P: Plan> Covariates<P> {
+impl<P: ClassifierLengths> Covariates<P> {
     /// (3) and (4) of feature `k`, by the departures of all covariates.
     #[must_use]
     pub fn corrected(&self, feature: FeatureValue, k: usize, departures: &[FeatureValue]) -> FeatureValue {

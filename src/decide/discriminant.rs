@@ -17,7 +17,7 @@
 use super::features::FeatureValue;
 use super::gates::density::Density;
 use super::gates::{Departure, Fall, Most};
-use crate::plan::{Array, Cells, Kind, Plan};
+use crate::plan::{Array, Cells, ClassifierLengths, Kind};
 use crate::regression::factor::{numbered, pairs};
 
 /// The id of a decision that was made without a model.
@@ -26,7 +26,7 @@ pub const NO_MODEL: u32 = 0;
 /// Gaussian class densities with priors and costs.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Discriminant<P: Plan> {
+pub struct Discriminant<P: ClassifierLengths> {
     /// μ, one row of Z a class.
     pub means: Array<P::Means, f32>,
     /// D and R of Σ = Rᵀ D R, R unit upper triangle: of each row D and then R, `[D₁, R₁₂, R₁₃, D₂, R₂₃, D₃]` for Z = 3;
@@ -43,7 +43,7 @@ pub struct Discriminant<P: Plan> {
 /// The result of one classification.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Decision<P: Plan> {
+pub struct Decision<P: ClassifierLengths> {
     /// Index of the class of least expected cost (3).
     pub class: u8,
     pub(crate) log_likelihoods: Array<P::Classes, f32>,
@@ -73,7 +73,7 @@ pub struct Decision<P: Plan> {
     pub fall: Fall,
 }
 
-impl<P: Plan> Decision<P> {
+impl<P: ClassifierLengths> Decision<P> {
     pub(crate) fn empty(plan: P) -> Self {
         let layout = plan.layout();
         let zeros: Array<P::Classes, f32> = Cells::filled(layout.classes as usize, 0.0);
@@ -170,7 +170,7 @@ impl<P: Plan> Decision<P> {
     }
 }
 
-impl<P: Plan> Discriminant<P> {
+impl<P: ClassifierLengths> Discriminant<P> {
     /// Log-likelihood (1) of a class at the coordinates z, whose errors have these variances: infinite for a missing
     /// coordinate, 0 for coordinates without a variance.
     #[must_use]
@@ -245,7 +245,7 @@ impl<P: Plan> Discriminant<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
+    use crate::plan::{Layout, Memory, Method, Plan as _, RunTime, Structure, testing};
     use std::vec;
 
     /// Two classes in the plane: at (0, 0) with Σ = I and at (2, 0) with Σ = I (linear) or diag(4, 1) (quadratic).

@@ -17,14 +17,14 @@
 //! chose. The mean is subtracted first, so that no digits cancel in the sums. Cost: 2 Z·F multiply-adds.
 
 use super::features::FeatureValue;
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, ClassifierLengths};
 use crate::regression::factor::pairs;
 use crate::unroll::rolled;
 
 /// The map (1).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Projection<P: Plan> {
+pub struct Projection<P: ClassifierLengths> {
     /// W, one row of F a coordinate.
     pub matrix: Array<P::Map, f32>,
     /// m, the training mean.
@@ -33,7 +33,7 @@ pub struct Projection<P: Plan> {
     pub usual: Array<P::Features, f32>,
 }
 
-impl<P: Plan> Projection<P> {
+impl<P: ClassifierLengths> Projection<P> {
     /// Feature `k` with the excess of the variance of its error over the usual one, as in (2).
     #[must_use]
     pub fn excess(&self, feature: FeatureValue, k: usize) -> FeatureValue {

@@ -126,14 +126,10 @@ macro_rules! plan {
                 }
             }
 
+            $crate::plan!(@lengths $plan, Fixed, Present, LAYOUT, |_plan| LAYOUT);
+
             impl $crate::plan::Plan for $plan {
                 type Sample = $sample;
-                $crate::plan!(@types Fixed, Present, LAYOUT);
-
-                #[inline(always)]
-                fn layout(self) -> $crate::plan::Layout {
-                    LAYOUT
-                }
 
                 fn of(layout: $crate::plan::Layout) -> Option<Self> {
                     (layout == LAYOUT).then_some(Self)
@@ -156,14 +152,10 @@ macro_rules! plan {
         const _: () = {
             const BOUNDS: $crate::plan::Bounds = $bounds;
 
+            $crate::plan!(@lengths $plan, Bounded, Bounded, BOUNDS, |plan| plan.0);
+
             impl $crate::plan::Plan for $plan {
                 type Sample = $crate::plan::Values<[f32; BOUNDS.channels]>;
-                $crate::plan!(@types Bounded, Bounded, BOUNDS);
-
-                #[inline(always)]
-                fn layout(self) -> $crate::plan::Layout {
-                    self.0
-                }
 
                 fn of(layout: $crate::plan::Layout) -> Option<Self> {
                     BOUNDS.hold(&layout).then_some(Self(layout))
@@ -177,35 +169,64 @@ macro_rules! plan {
             $crate::defmt_formats!($plan);
         };
     };
-    // The associated types of a plan whose array lengths are the results of these functions of a `Layout`, or of what
-    // has the same functions.
-    (@types $size:ident, $presence:ident, $lengths:expr) => {
-        type Channels = $crate::plan::$size<{ $lengths.channels as usize }>;
-        type Regressed = $crate::plan::$presence<{ $lengths.regressed() }>;
-        type Squares = $crate::plan::$presence<{ $lengths.squares() }>;
-        type Instruments = $crate::plan::$presence<{ $lengths.instruments() }>;
-        type Columns = $crate::plan::$size<{ $lengths.columns() }>;
-        type Packed = $crate::plan::$size<{ $lengths.packed() }>;
-        type Parameters = $crate::plan::$size<{ $lengths.parameters() }>;
-        type Covariance = $crate::plan::$size<{ $lengths.covariance() }>;
-        type Delays = $crate::plan::$size<{ $lengths.delays() }>;
-        type Filters = $crate::plan::$size<{ $lengths.filters() }>;
-        type Watched = $crate::plan::$presence<{ $lengths.watched() }>;
-        type Moments = $crate::plan::$size<{ $lengths.moments() }>;
-        type Orders = $crate::plan::$size<{ $lengths.orders() }>;
-        type Averaged = $crate::plan::$size<{ $lengths.averages() }>;
-        type Features = $crate::plan::$size<{ $lengths.features as usize }>;
-        type Covariates = $crate::plan::$size<{ $lengths.covariates as usize }>;
-        type Explained = $crate::plan::$size<{ $lengths.explained() }>;
-        type Coordinates = $crate::plan::$size<{ $lengths.coordinates as usize }>;
-        type Map = $crate::plan::$size<{ $lengths.map() }>;
-        type Density = $crate::plan::$size<{ $lengths.density() }>;
-        type Densities = $crate::plan::$size<{ $lengths.densities() }>;
-        type Laws = $crate::plan::$size<{ $lengths.laws() }>;
-        type Directions = $crate::plan::$size<{ $lengths.directions as usize }>;
-        type Classes = $crate::plan::$size<{ $lengths.classes as usize }>;
-        type Means = $crate::plan::$size<{ $lengths.means() }>;
-        type Costs = $crate::plan::$size<{ $lengths.costs() }>;
+    // The lengths of a plan: the results of these functions of a `Layout`, or of what has the same functions. `$layout`
+    // gives the layout of a value `$of` of the plan.
+    (@lengths $plan:ty, $size:ident, $presence:ident, $lengths:expr, |$of:ident| $layout:expr) => {
+        impl $plan {
+            /// The layout.
+            #[allow(dead_code, reason = "a program may need it of the model only")]
+            #[inline(always)]
+            #[must_use]
+            pub const fn layout(self) -> $crate::plan::Layout {
+                let $of = self;
+                $layout
+            }
+        }
+
+        impl $crate::plan::Arranged for $plan {
+            #[inline(always)]
+            fn layout(self) -> $crate::plan::Layout {
+                self.layout()
+            }
+        }
+
+        impl $crate::plan::SignalLengths for $plan {
+            type Channels = $crate::plan::$size<{ $lengths.channels as usize }>;
+            type Averaged = $crate::plan::$size<{ $lengths.averages() }>;
+        }
+
+        impl $crate::plan::RegressionLengths for $plan {
+            type Regressed = $crate::plan::$presence<{ $lengths.regressed() }>;
+            type Squares = $crate::plan::$presence<{ $lengths.squares() }>;
+            type Instruments = $crate::plan::$presence<{ $lengths.instruments() }>;
+            type Columns = $crate::plan::$size<{ $lengths.columns() }>;
+            type Packed = $crate::plan::$size<{ $lengths.packed() }>;
+            type Parameters = $crate::plan::$size<{ $lengths.parameters() }>;
+            type Covariance = $crate::plan::$size<{ $lengths.covariance() }>;
+            type Delays = $crate::plan::$size<{ $lengths.delays() }>;
+            type Filters = $crate::plan::$size<{ $lengths.filters() }>;
+        }
+
+        impl $crate::plan::ShaftLengths for $plan {
+            type Watched = $crate::plan::$presence<{ $lengths.watched() }>;
+            type Moments = $crate::plan::$size<{ $lengths.moments() }>;
+            type Orders = $crate::plan::$size<{ $lengths.orders() }>;
+        }
+
+        impl $crate::plan::ClassifierLengths for $plan {
+            type Features = $crate::plan::$size<{ $lengths.features as usize }>;
+            type Covariates = $crate::plan::$size<{ $lengths.covariates as usize }>;
+            type Explained = $crate::plan::$size<{ $lengths.explained() }>;
+            type Coordinates = $crate::plan::$size<{ $lengths.coordinates as usize }>;
+            type Map = $crate::plan::$size<{ $lengths.map() }>;
+            type Density = $crate::plan::$size<{ $lengths.density() }>;
+            type Densities = $crate::plan::$size<{ $lengths.densities() }>;
+            type Laws = $crate::plan::$size<{ $lengths.laws() }>;
+            type Directions = $crate::plan::$size<{ $lengths.directions as usize }>;
+            type Classes = $crate::plan::$size<{ $lengths.classes as usize }>;
+            type Means = $crate::plan::$size<{ $lengths.means() }>;
+            type Costs = $crate::plan::$size<{ $lengths.costs() }>;
+        }
     };
     // The function `model` of a plan, which can check constants at compile time: inside the expansion every length is
     // known, so that the slices of the view can be made in a constant.

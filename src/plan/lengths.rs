@@ -11,10 +11,86 @@
 
 use super::Structure;
 use super::layout::{Kind, Layout, Method, RegressionLayout};
+use super::size::{Presence, Size};
+use crate::printable::Printable;
 
 /// Samples held to delay signals, and behind a filter; see [`delays`](crate::shaft::delays).
 pub(crate) const MOMENTS: usize = 8;
 pub(crate) const FILTERED_MOMENTS: usize = 23;
+
+/// What consists of the parts of a layout.
+pub trait Arranged: Copy + PartialEq + Printable + 'static {
+    /// The layout; a constant but for `RunTime`.
+    fn layout(self) -> Layout;
+}
+
+/// Lengths of what takes samples.
+pub trait SignalLengths: Arranged {
+    /// Number of channels.
+    type Channels: Size;
+    /// Number of channels that are averaged.
+    type Averaged: Size;
+}
+
+/// Lengths of the regression.
+pub trait RegressionLengths: Arranged {
+    /// 1 with a regression, else 0.
+    type Regressed: Presence;
+    /// 1 if the regression uses least squares.
+    type Squares: Presence;
+    /// 1 if the regression uses instrumental variables.
+    type Instruments: Presence;
+    /// M, the number of columns of a row.
+    type Columns: Size;
+    /// M (M − 1)/2.
+    type Packed: Size;
+    /// n, the number of parameters.
+    type Parameters: Size;
+    /// n (n + 1)/2.
+    type Covariance: Size;
+    /// Samples held to delay the inputs.
+    type Delays: Size;
+    /// Cells of the filters of instrumental variables.
+    type Filters: Size;
+}
+
+/// Lengths of the shaft.
+pub trait ShaftLengths: Arranged {
+    /// 1 if the shaft is watched.
+    type Watched: Presence;
+    /// Samples held to delay the signals of the shaft.
+    type Moments: Size;
+    /// K, the number of bearing orders.
+    type Orders: Size;
+}
+
+/// Lengths of classifier and alarm.
+pub trait ClassifierLengths: Arranged {
+    /// F, the number of features.
+    type Features: Size;
+    /// V, the number of covariates.
+    type Covariates: Size;
+    /// F V.
+    type Explained: Size;
+    /// Z, the number of coordinates.
+    type Coordinates: Size;
+    /// Z F.
+    type Map: Size;
+    /// Z (Z + 1)/2.
+    type Density: Size;
+    /// Z (Z + 1)/2 for each covariance.
+    type Densities: Size;
+    /// 1 + K for K > 0 rising coordinates, else 0.
+    type Laws: Size;
+    /// D, the number of directions that the alarm watches.
+    type Directions: Size;
+    /// C, the number of classes.
+    type Classes: Size;
+    /// C Z.
+    type Means: Size;
+    /// C².
+    type Costs: Size;
+}
 
 impl RegressionLayout {
     /// Number of parameters whose own column serves as instrument, and of those with a separate instrument.

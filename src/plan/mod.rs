@@ -43,6 +43,7 @@ pub use structure::Structure;
 #[cfg(any(test, feature = "alloc", feature = "bounded"))]
 pub use values::Values;
 
+pub use lengths::{Arranged, ClassifierLengths, RegressionLengths, ShaftLengths, SignalLengths};
 pub(crate) use lengths::{FILTERED_MOMENTS, MOMENTS, filter_cells};
 
 #[cfg(test)]
@@ -66,65 +67,11 @@ pub trait Signals: Clone + PartialEq + Printable {
 
 /// What a detector is made of. Implement it by [`plan!`](crate::plan!).
 ///
-/// The associated types are the lengths of the arrays that the functions of the same names of [`Layout`] compute.
-pub trait Plan: Copy + PartialEq + Printable + 'static {
+/// Each part of a detector says by a trait of its own which array lengths it has; the functions of the same names of
+/// [`Layout`] compute them.
+pub trait Plan: SignalLengths + RegressionLengths + ShaftLengths + ClassifierLengths {
     /// One sample: a struct with one field for each channel.
     type Sample: Signals;
-    /// Number of channels.
-    type Channels: Size;
-    /// 1 with a regression, else 0.
-    type Regressed: Presence;
-    /// 1 if the regression uses least squares.
-    type Squares: Presence;
-    /// 1 if the regression uses instrumental variables.
-    type Instruments: Presence;
-    /// M, the number of columns of a row.
-    type Columns: Size;
-    /// M (M − 1)/2.
-    type Packed: Size;
-    /// n, the number of parameters.
-    type Parameters: Size;
-    /// n (n + 1)/2.
-    type Covariance: Size;
-    /// Samples held to delay the inputs.
-    type Delays: Size;
-    /// Cells of the filters of instrumental variables.
-    type Filters: Size;
-    /// 1 if the shaft is watched.
-    type Watched: Presence;
-    /// Samples held to delay the signals of the shaft.
-    type Moments: Size;
-    /// K, the number of bearing orders.
-    type Orders: Size;
-    /// Number of channels that are averaged.
-    type Averaged: Size;
-    /// F, the number of features.
-    type Features: Size;
-    /// V, the number of covariates.
-    type Covariates: Size;
-    /// F V.
-    type Explained: Size;
-    /// Z, the number of coordinates.
-    type Coordinates: Size;
-    /// Z F.
-    type Map: Size;
-    /// Z (Z + 1)/2.
-    type Density: Size;
-    /// Z (Z + 1)/2 for each covariance.
-    type Densities: Size;
-    /// 1 + K for K > 0 rising coordinates, else 0.
-    type Laws: Size;
-    /// D, the number of directions that the alarm watches.
-    type Directions: Size;
-    /// C, the number of classes.
-    type Classes: Size;
-    /// C Z.
-    type Means: Size;
-    /// C².
-    type Costs: Size;
-
-    /// The layout; a constant but for `RunTime`.
-    fn layout(self) -> Layout;
 
     /// The plan of a layout; `None` if it is not that of this plan.
     fn of(layout: Layout) -> Option<Self>;

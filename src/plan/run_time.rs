@@ -12,14 +12,10 @@ pub struct RunTime(Layout);
 /// A sample for [`RunTime`].
 pub type RunTimeSample = Values<Vec<f32>>;
 
+crate::plan!(@lengths RunTime, AnyLength, AnyLength, Layout::EMPTY, |plan| plan.0);
+
 impl Plan for RunTime {
     type Sample = RunTimeSample;
-    crate::plan!(@types AnyLength, AnyLength, Layout::EMPTY);
-
-    #[inline(always)]
-    fn layout(self) -> Layout {
-        self.0
-    }
 
     fn of(layout: Layout) -> Option<Self> {
         layout.check().is_ok().then_some(Self(layout))

@@ -4,7 +4,7 @@
 //! in another thread: both give the same bits. Without a successor the model stays; after [`PATIENCE`] segments the
 //! nominal model returns.
 
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, RegressionLengths};
 use crate::unroll::unrolled;
 
 /// Segments without a successor after which the nominal model returns.
@@ -13,7 +13,7 @@ const PATIENCE: u8 = 3;
 /// The δ-parameters of the auxiliary model and of its successor.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Auxiliary<P: Plan> {
+pub struct Auxiliary<P: RegressionLengths> {
     /// The model in use.
     pub now: Array<P::Parameters, f32>,
     next: Array<P::Parameters, f32>,
@@ -24,7 +24,7 @@ pub struct Auxiliary<P: Plan> {
     pub refused: u8,
 }
 
-impl<P: Plan> Auxiliary<P> {
+impl<P: RegressionLengths> Auxiliary<P> {
     /// Starts with a model.
     #[must_use]
     pub fn new(now: Array<P::Parameters, f32>) -> Self {

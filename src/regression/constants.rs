@@ -11,13 +11,13 @@
 //! from 1e3–1e6 to 5–2e3. That reduces the error in `f32` by two to five decades, for a few subtractions. Scaling by
 //! powers of two is exact.
 
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, RegressionLengths};
 use crate::regression::factor::Forgetting;
 
 /// Scales, nominal model and limits of a regression.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Regression<P: Plan> {
+pub struct Regression<P: RegressionLengths> {
     /// Power-of-two factor of each column of (1), then that of the target; the differences of one signal share one
     /// factor. By instrumental variables the places after the target are 1.
     pub scale: Array<P::Columns, f32>,
@@ -38,7 +38,7 @@ pub struct Regression<P: Plan> {
     pub handover: u16,
 }
 
-impl<P: Plan> Regression<P> {
+impl<P: RegressionLengths> Regression<P> {
     /// Unscaled constants: the base of struct literals.
     #[must_use]
     pub fn new(plan: P) -> Self {

@@ -1,16 +1,16 @@
 //! Two signals as they were some samples ago.
 
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, RegressionLengths};
 
 /// Delay lines of both inputs in one array: nkb samples of the first, then nkc of the second.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Delays<P: Plan> {
+pub struct Delays<P: RegressionLengths> {
     ring: Array<P::Delays, f32>,
     places: [u8; 2],
 }
 
-impl<P: Plan> Delays<P> {
+impl<P: RegressionLengths> Delays<P> {
     /// All samples zero.
     pub fn new(plan: P) -> Self {
         Self { ring: Cells::filled(plan.layout().delays(), 0.0), places: [0; 2] }

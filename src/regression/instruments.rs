@@ -32,7 +32,9 @@ use super::auxiliary::Auxiliary;
 use super::constants::Regression;
 use super::delays::Delays;
 use super::inputs::{Frame, Inputs, carry_on, dot};
-use crate::plan::{Array, Cells, MAX_OUTPUT_TERMS, Memory, Plan, RegressionLayout, Structure, filter_cells};
+use crate::plan::{
+    Array, Cells, MAX_OUTPUT_TERMS, Memory, RegressionLayout, RegressionLengths, Structure, filter_cells,
+};
 use crate::regression::factor::Row;
 use crate::unroll::unrolled;
 
@@ -42,7 +44,7 @@ const BOUND: f32 = 100.0;
 /// Rows of instrumental variables.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Instruments<P: Plan> {
+pub struct Instruments<P: RegressionLengths> {
     row: Array<P::Columns, f32>,
     /// The auxiliary model; its constant applies to levels from zero.
     pub(super) auxiliary: Auxiliary<P>,
@@ -62,7 +64,7 @@ pub struct Instruments<P: Plan> {
     settling: u16,
 }
 
-impl<P: Plan> Instruments<P> {
+impl<P: RegressionLengths> Instruments<P> {
     pub(super) fn new(plan: P, constants: &Regression<P>) -> Self {
         let layout = plan.layout();
         Self {
@@ -247,19 +249,19 @@ fn levels_of(structure: Structure) -> [Option<usize>; 3] {
 }
 
 /// Samples until every delayed input is valid, and the sample that starts the filters.
-fn filling<P: Plan>(plan: P) -> u16 {
+fn filling<P: RegressionLengths>(plan: P) -> u16 {
     let delay = plan.layout().regression.map_or(0, |r| r.structure.nkb.max(r.structure.nkc));
     u16::from(delay).saturating_add(1)
 }
 
 #[cold]
 #[inline(never)]
-fn nominal<P: Plan>(plan: P, constants: &Regression<P>) -> Array<P::Parameters, f32> {
+fn nominal<P: RegressionLengths>(plan: P, constants: &Regression<P>) -> Array<P::Parameters, f32> {
     parameters(plan, constants.nominal.cells())
 }
 
 /// The δ-parameters of an auxiliary model.
-pub(super) fn parameters<P: Plan>(plan: P, delta: &[f32]) -> Array<P::Parameters, f32> {
+pub(super) fn parameters<P: RegressionLengths>(plan: P, delta: &[f32]) -> Array<P::Parameters, f32> {
     Cells::from_fn(plan.layout().parameters(), |k| delta.get(k).copied().unwrap_or(0.0))
 }
 

@@ -5,17 +5,17 @@ use super::factor::Row;
 use super::inputs::{Frame, Inputs};
 use super::instruments::{self, Instruments};
 use super::squares::Squares;
-use crate::plan::{Array, Cells, Layout, Method, Plan, Presence};
+use crate::plan::{Array, Cells, Layout, Method, Presence, RegressionLengths};
 
 /// The source of rows.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Rows<P: Plan> {
+pub struct Rows<P: RegressionLengths> {
     squares: Array<P::Squares, Squares<P>>,
     instruments: Array<P::Instruments, Instruments<P>>,
 }
 
-impl<P: Plan> Rows<P> {
+impl<P: RegressionLengths> Rows<P> {
     /// Nothing sampled yet.
     #[must_use]
     pub fn new(plan: P, constants: &Regression<P>) -> Self {

@@ -12,7 +12,7 @@
 use super::constants::Regression;
 use super::delays::Delays;
 use super::inputs::{Inputs, carry_on};
-use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout, Structure};
+use crate::plan::{Array, Cells, Memory, RegressionLayout, RegressionLengths, Structure};
 use crate::regression::factor::Row;
 
 /// Rows of least squares.
@@ -20,7 +20,7 @@ use crate::regression::factor::Row;
 /// A column of differences moves on by one place a sample, so only two cells of each signal are computed.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Squares<P: Plan> {
+pub struct Squares<P: RegressionLengths> {
     row: Array<P::Columns, f32>,
     /// Values that are subtracted from the levels of y, u1, u2.
     pub(super) origin: [f32; 3],
@@ -37,7 +37,7 @@ pub struct Squares<P: Plan> {
     placed: bool,
 }
 
-impl<P: Plan> Squares<P> {
+impl<P: RegressionLengths> Squares<P> {
     pub(super) fn new(plan: P) -> Self {
         Self {
             row: Cells::filled(plan.layout().columns(), 0.0),
@@ -129,7 +129,7 @@ fn shift_in<'c, 's>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Method, RunTime, testing};
+    use crate::plan::{Method, Plan as _, RunTime, testing};
     use std::vec;
     use std::vec::Vec;
 

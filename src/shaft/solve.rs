@@ -4,7 +4,7 @@ use super::balance::Estimated;
 use super::orders::{NoiseLine, OrderStrength, Search, SlipRange};
 use super::plausibility::{self, Usage};
 use super::state::{ShaftConstants, ShaftEstimate, ShaftSums};
-use crate::plan::{Cells, Plan};
+use crate::plan::{Cells, ShaftLengths};
 use crate::reason::{Part, Reason};
 
 /// The solve of a closed segment under way.
@@ -51,7 +51,7 @@ impl ShaftSolve {
     /// either.
     // In the caller's frame: one of its own takes more stack.
     #[inline(always)]
-    pub fn advance<P: Plan>(
+    pub fn advance<P: ShaftLengths>(
         &mut self,
         plan: P,
         constants: &ShaftConstants<P>,
@@ -118,7 +118,7 @@ impl ShaftSolve {
 
     /// The search for the slip of order k; `None` behind the last one.
     #[inline(always)]
-    fn search<P: Plan>(&self, constants: &ShaftConstants<P>, sums: &ShaftSums<P>, k: usize) -> Option<Search> {
+    fn search<P: ShaftLengths>(&self, constants: &ShaftConstants<P>, sums: &ShaftSums<P>, k: usize) -> Option<Search> {
         let tracking = &constants.tracking;
         let (order, line) = tracking.orders.cells().get(k).zip(sums.orders.lines.cells().get(k))?;
         Some(Search::new(line, &self.noise, order, &slip_range(constants)))
@@ -127,7 +127,7 @@ impl ShaftSolve {
 
 /// Puts the strength of order k into the estimate; `false` if it is not finite, for which there are then no orders.
 #[inline(always)]
-fn take_strength<P: Plan>(
+fn take_strength<P: ShaftLengths>(
     constants: &ShaftConstants<P>,
     sums: &ShaftSums<P>,
     k: usize,
@@ -149,13 +149,13 @@ fn take_strength<P: Plan>(
 
 /// The slips that are searched.
 #[inline(always)]
-fn slip_range<P: Plan>(constants: &ShaftConstants<P>) -> SlipRange {
+fn slip_range<P: ShaftLengths>(constants: &ShaftConstants<P>) -> SlipRange {
     let blocks = &constants.tracking.blocks;
     SlipRange { cell_turns: power_of_two(blocks.cell_turns_log2), slip: blocks.slip }
 }
 
 /// The usable part of the segment; the reason if it is less than half.
-fn short<P: Plan>(sums: &ShaftSums<P>, estimate: &mut ShaftEstimate<P>) -> Option<Reason> {
+fn short<P: ShaftLengths>(sums: &ShaftSums<P>, estimate: &mut ShaftEstimate<P>) -> Option<Reason> {
     let Usage { seen, used, .. } = sums.usage;
     estimate.usable = used as f32 / seen.max(1) as f32;
     (used < seen / 2).then_some(Reason::ShortSegment { rows: used })
@@ -163,7 +163,7 @@ fn short<P: Plan>(sums: &ShaftSums<P>, estimate: &mut ShaftEstimate<P>) -> Optio
 
 /// Why there are no orders: a shaft at rest has too few blocks. The residual is that of parameters which gaps may have
 /// left undetermined: the error of the friction is in it.
-fn without_orders<P: Plan>(sums: &ShaftSums<P>, friction: Option<Reason>) -> Option<Reason> {
+fn without_orders<P: ShaftLengths>(sums: &ShaftSums<P>, friction: Option<Reason>) -> Option<Reason> {
     let Usage { seen, used, .. } = sums.usage;
     let gaps = used < seen.wrapping_sub(seen / 16);
     let undetermined = matches!(friction, Some(Reason::TooFewRows { .. }));

@@ -6,7 +6,7 @@ use super::balance::{Balance, BalanceState, BalanceSums, Friction, Torques};
 use super::delays::{BEFORE, Delay, Delays, FILTERED_RING, Lags, RING, TAPS, half_band};
 use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking};
 use super::plausibility::{self, Usage};
-use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
+use crate::plan::{Array, Cells, ShaftLayout, ShaftLengths, Signals};
 use crate::reason::{Implausible, Part, Reason};
 use crate::signal::{Angle, Travel, TravelSums, read};
 
@@ -21,7 +21,7 @@ pub const BRIDGE: u8 = 8;
 /// Constants of the shaft.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ShaftConstants<P: Plan> {
+pub struct ShaftConstants<P: ShaftLengths> {
     /// Lags of the signals.
     pub lags: Lags,
     /// The torque balance.
@@ -33,7 +33,7 @@ pub struct ShaftConstants<P: Plan> {
 /// The shaft in one segment.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ShaftEstimate<P: Plan> {
+pub struct ShaftEstimate<P: ShaftLengths> {
     /// Torque balance; zeros if there is a reason.
     pub friction: Friction,
     /// Why there is no torque balance.
@@ -52,7 +52,7 @@ pub struct ShaftEstimate<P: Plan> {
     pub(super) stuck: bool,
 }
 
-impl<P: Plan> ShaftEstimate<P> {
+impl<P: ShaftLengths> ShaftEstimate<P> {
     /// No estimate.
     pub(crate) fn empty(plan: P) -> Self {
         let few = |part| Some(Reason::TooFewRows { part, rows: 0 });
@@ -110,7 +110,7 @@ struct Moment {
 /// Running state of the shaft.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Shaft<P: Plan> {
+pub struct Shaft<P: ShaftLengths> {
     /// Of a filter's moments, the first [`BEFORE`] again behind the last, so that those that it reads are in a row.
     ring: Array<P::Moments, Moment>,
     /// Place of the last sample; an odd one is between two steps of a filter.
@@ -141,14 +141,14 @@ pub struct Shaft<P: Plan> {
 /// A segment's sums of the shaft, separate from the running state.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ShaftSums<P: Plan> {
+pub struct ShaftSums<P: ShaftLengths> {
     pub(super) balance: BalanceSums,
     pub(super) orders: OrderSums<P>,
     pub(super) usage: Usage,
     travel: TravelSums,
 }
 
-impl<P: Plan> ShaftSums<P> {
+impl<P: ShaftLengths> ShaftSums<P> {
     /// Nothing but the prior of the balance.
     pub(crate) fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
         Self {
@@ -174,11 +174,11 @@ impl<P: Plan> ShaftSums<P> {
 }
 
 #[inline(always)]
-fn has_load<P: Plan>(plan: P) -> bool {
+fn has_load<P: ShaftLengths>(plan: P) -> bool {
     plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some())
 }
 
-impl<P: Plan> Shaft<P> {
+impl<P: ShaftLengths> Shaft<P> {
     /// Nothing sampled yet.
     #[must_use]
     pub fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
@@ -209,7 +209,7 @@ impl<P: Plan> Shaft<P> {
         sums: &mut ShaftSums<P>,
         plan: P,
         constants: &ShaftConstants<P>,
-        (sample, good): (&P::Sample, bool),
+        (sample, good): (&impl Signals, bool),
     ) {
         let Some(layout) = plan.layout().shaft else {
             return;

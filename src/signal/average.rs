@@ -11,7 +11,7 @@
 //! sum of 10⁶ equal values in `f32` would be wrong by up to 3 %. Cost: 10 operations a channel and sample; nothing for
 //! a plan without such channels.
 
-use crate::plan::{Array, Cells, Plan, Signals};
+use crate::plan::{Array, Cells, SignalLengths, Signals};
 use crate::reason::Reason;
 
 /// A compensated sum: the sum, and what the last additions lost.
@@ -90,10 +90,10 @@ impl Average {
 }
 
 /// The averages of a plan.
-pub(crate) type Averages<P> = Array<<P as Plan>::Averaged, Average>;
+pub(crate) type Averages<P> = Array<<P as SignalLengths>::Averaged, Average>;
 
 /// Empty sums.
-pub(crate) fn empty<P: Plan>(plan: P) -> Averages<P> {
+pub(crate) fn empty<P: SignalLengths>(plan: P) -> Averages<P> {
     let mut rest = plan.layout().averaged;
     Cells::from_fn(plan.layout().averages(), |_| {
         let channel = u8::try_from(rest.trailing_zeros()).unwrap_or(u8::MAX);
@@ -104,7 +104,7 @@ pub(crate) fn empty<P: Plan>(plan: P) -> Averages<P> {
 
 /// Takes a sample; `refused` is the mask of its refused channels.
 #[inline(always)]
-pub(crate) fn take<P: Plan>(plan: P, averages: &mut Averages<P>, sample: &P::Sample, refused: u16) {
+pub(crate) fn take<P: SignalLengths>(plan: P, averages: &mut Averages<P>, sample: &impl Signals, refused: u16) {
     // The channels come from the layout, which a fixed plan knows at compile time.
     let mut rest = plan.layout().averaged;
     for average in averages.cells_mut() {
@@ -115,7 +115,7 @@ pub(crate) fn take<P: Plan>(plan: P, averages: &mut Averages<P>, sample: &P::Sam
 }
 
 /// Marks the channels that were stuck.
-pub(crate) fn mark_stuck<P: Plan>(averages: &mut Averages<P>, stuck: crate::ChannelSet) {
+pub(crate) fn mark_stuck<P: SignalLengths>(averages: &mut Averages<P>, stuck: crate::ChannelSet) {
     averages.cells_mut().iter_mut().for_each(|average| average.stuck = stuck.contains(average.channel as usize));
 }
 

@@ -8,7 +8,7 @@
 //! beyond the segment. Each channel is checked once a sample, whichever parts use it.
 
 use super::channel::Channel;
-use crate::plan::{Array, Cells, Plan, Signals};
+use crate::plan::{Array, Cells, SignalLengths, Signals};
 
 /// A set of channels by their places.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,13 +62,13 @@ struct Repeat {
 /// Running state of the gate.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Gate<P: Plan> {
+pub struct Gate<P: SignalLengths> {
     repeats: Array<P::Channels, Repeat>,
     /// What was refused in the open segment.
     pub counts: Counts,
 }
 
-impl<P: Plan> Gate<P> {
+impl<P: SignalLengths> Gate<P> {
     /// Nothing sampled yet.
     #[must_use]
     pub fn new(plan: P) -> Self {
@@ -80,7 +80,7 @@ impl<P: Plan> Gate<P> {
     /// The refused channels of a sample, as a bit mask; counts the sample if there are any.
     // Part of every sample: a call would cost as much as the comparisons.
     #[inline(always)]
-    pub fn refused(&mut self, channels: &Array<P::Channels, Channel>, sample: &P::Sample) -> u16 {
+    pub fn refused(&mut self, channels: &Array<P::Channels, Channel>, sample: &impl Signals) -> u16 {
         let (mut unused, mut stuck, mut bit) = (0, 0, 1_u16);
         let states = self.repeats.cells_mut().iter_mut();
         // In this order the count of places stays below a length, and needs no overflow check.
@@ -105,7 +105,7 @@ impl<P: Plan> Gate<P> {
 
     #[cold]
     #[inline(never)]
-    fn count(&mut self, channels: &[Channel], sample: &P::Sample) {
+    fn count(&mut self, channels: &[Channel], sample: &impl Signals) {
         let plausible = channels.iter().enumerate().all(|(place, c)| sample.value(place).abs() <= c.limit);
         let count = if plausible { &mut self.counts.saturated } else { &mut self.counts.rejected };
         *count = count.saturating_add(1);

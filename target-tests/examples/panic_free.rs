@@ -262,7 +262,7 @@ fn saved<P: Plan>(model: &Model<P>, evidence: &mut Evidence<P>) {
 /// What a model says of itself, and its bytes.
 fn about<P: Plan>(model: &Model<P>) {
     let (plan, constants) = (Model::plan(model), Model::constants(model));
-    let layout = opaque(<P as Plan>::layout(plan));
+    let layout = opaque(plan.layout());
     opaque(<P as Plan>::of(layout).is_some());
     opaque((Model::label(model, opaque(200)), <P as Plan>::channels()));
     opaque(Model::verdict_name(model, opaque(Verdict::Novel)));

@@ -16,7 +16,7 @@ mod any_plan;
 use core::fmt::{self, Write as _};
 
 use bearing_watch::drive::{By, CleanSample, Factor, FrontEnd, RawSample};
-use bearing_watch::plan::{Plan, Signals};
+use bearing_watch::plan::Signals;
 use bearing_watch::{Angle, Detector, Exchange, Model, Monitor, Report, Segment, Verdict};
 
 use any_plan::{AnyPlan, Values};

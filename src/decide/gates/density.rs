@@ -21,7 +21,7 @@
 
 use super::rising::Scores;
 use crate::logarithm::ln;
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, ClassifierLengths};
 use crate::regression::factor::kernels::rotate_pivot_small;
 use crate::regression::factor::pairs;
 use crate::unroll::rolled;
@@ -30,7 +30,7 @@ const LN_2PI: f32 = 1.837_877_1;
 
 /// The factor (2).
 #[derive(Clone, Debug)]
-pub(crate) struct Density<P: Plan> {
+pub(crate) struct Density<P: ClassifierLengths> {
     factor: Array<P::Density, f32>,
     /// Σ ln D' of the available rows.
     log_determinant: f32,
@@ -39,7 +39,7 @@ pub(crate) struct Density<P: Plan> {
     coordinates: usize,
 }
 
-impl<P: Plan> Density<P> {
+impl<P: ClassifierLengths> Density<P> {
     /// Of a factor (1) and the variances of so many coordinates; those without a variance have no error.
     #[inline(never)]
     pub(crate) fn of(factor: &[f32], variances: &[f32], coordinates: usize) -> Self {

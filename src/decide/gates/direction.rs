@@ -12,7 +12,7 @@
 //! defect.
 
 use crate::decide::FeatureValue;
-use crate::plan::{Array, Cells, Fixed, Plan};
+use crate::plan::{Array, Cells, ClassifierLengths, Fixed};
 use crate::record::{LARGEST, record};
 use crate::regression::factor::pairs;
 
@@ -96,7 +96,7 @@ impl Direction {
 /// The directions of a model; with none the evidence is that of distances and classes.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Directions<P: Plan> {
+pub struct Directions<P: ClassifierLengths> {
     /// The directions.
     pub list: Array<P::Directions, Direction>,
     /// Segments of a usual run.
@@ -108,7 +108,7 @@ pub struct Directions<P: Plan> {
     pub most_runs: u16,
 }
 
-impl<P: Plan> Directions<P> {
+impl<P: ClassifierLengths> Directions<P> {
     /// No direction, or unit ones in a plan that has some.
     #[must_use]
     pub fn none(plan: P) -> Self {
@@ -117,7 +117,7 @@ impl<P: Plan> Directions<P> {
     }
 }
 
-impl<P: Plan<Directions = Fixed<0>>> Directions<P> {
+impl<P: ClassifierLengths<Directions = Fixed<0>>> Directions<P> {
     /// No direction.
     pub const NONE: Self = Self { list: [], usual_segments: 1.0, margin: 1.645, most_runs: 60 };
 }

@@ -30,12 +30,12 @@ use super::density::Density;
 use super::direction::Directions;
 use super::law::{KNOTS, Law, equivalent, surprise};
 use super::rising::{self, Fall, Most, Rarest, Rise, Scores};
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, ClassifierLengths};
 
 /// The distribution of the healthy class.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Novelty<P: Plan> {
+pub struct Novelty<P: ClassifierLengths> {
     /// Index of the healthy class; `None` if none is known, and then nothing is novel.
     pub class: Option<u8>,
     /// m.
@@ -80,7 +80,7 @@ pub struct Departure {
     pub fall: Fall,
 }
 
-impl<P: Plan> Novelty<P> {
+impl<P: ClassifierLengths> Novelty<P> {
     /// Without a healthy class: every distance and surprise is zero.
     #[must_use]
     pub fn none(plan: P) -> Self {
@@ -151,7 +151,7 @@ impl<P: Plan> Novelty<P> {
 mod tests {
     use super::*;
     use crate::decide::MAX_SURPRISE;
-    use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
+    use crate::plan::{Layout, Memory, Method, Plan as _, RunTime, Structure, testing};
     use std::vec;
 
     fn plan() -> RunTime {

@@ -20,7 +20,7 @@
 
 use super::result::SegmentNumber;
 use super::{Estimate, is_stable};
-use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout};
+use crate::plan::{Array, Cells, Memory, RegressionLayout, RegressionLengths};
 use crate::reason::{Part, Reason};
 use crate::regression::factor::{Problem, Solution, SolveError, Solved, Sums, longest};
 use crate::regression::{Frame, Inputs, Regression, Rows};
@@ -28,7 +28,7 @@ use crate::regression::{Frame, Inputs, Regression, Rows};
 /// Running state of the regression.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Estimator<P: Plan> {
+pub struct Estimator<P: RegressionLengths> {
     rows: Rows<P>,
     /// Of the open segment.
     segment: SegmentNumber,
@@ -37,7 +37,7 @@ pub struct Estimator<P: Plan> {
 /// The sums of a segment, separate from the running state.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RegressionSums<P: Plan> {
+pub struct RegressionSums<P: RegressionLengths> {
     sums: Sums<P>,
     frame: Frame<P>,
     /// Rows of the segment.
@@ -53,13 +53,13 @@ pub struct RegressionSums<P: Plan> {
 /// The solve of a closed segment under way.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RegressionSolve<P: Plan> {
+pub struct RegressionSolve<P: RegressionLengths> {
     /// What is left of it; `None` before the first step.
     solution: Option<Solution>,
     work: Array<P::Parameters, f32>,
 }
 
-impl<P: Plan> Estimator<P> {
+impl<P: RegressionLengths> Estimator<P> {
     /// Nothing sampled yet.
     #[must_use]
     pub fn new(plan: P, constants: &Regression<P>) -> Self {
@@ -145,11 +145,11 @@ impl<P: Plan> Estimator<P> {
     }
 }
 
-fn memory<P: Plan>(plan: P) -> Memory {
+fn memory<P: RegressionLengths>(plan: P) -> Memory {
     plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory)
 }
 
-impl<P: Plan> RegressionSums<P> {
+impl<P: RegressionLengths> RegressionSums<P> {
     /// No rows.
     #[must_use]
     pub fn new(plan: P) -> Self {
@@ -202,7 +202,7 @@ impl<P: Plan> RegressionSums<P> {
     }
 }
 
-impl<P: Plan> RegressionSolve<P> {
+impl<P: RegressionLengths> RegressionSolve<P> {
     /// Nothing solved yet.
     #[must_use]
     pub fn new(plan: P) -> Self {
@@ -293,7 +293,7 @@ impl<P: Plan> RegressionSolve<P> {
 }
 
 /// Restores the constant, and checks that the result can be used.
-fn finish<P: Plan>(plan: P, sums: &RegressionSums<P>, estimate: &mut Estimate<P>) {
+fn finish<P: RegressionLengths>(plan: P, sums: &RegressionSums<P>, estimate: &mut Estimate<P>) {
     // Known at compile time: a plan without a constant carries no code for one.
     if plan.layout().regression.is_some_and(|regression| regression.structure.offset) {
         estimate.restore_constant(sums.frame.origin);

@@ -1,13 +1,13 @@
 //! What the regression of one segment estimated.
 
-use crate::plan::{Array, Cells, Plan, Structure};
+use crate::plan::{Array, Cells, RegressionLengths, Structure};
 use crate::reason::{Part, Reason};
 use crate::regression::factor::{lower, pairs};
 
 /// The estimate of one segment: δ-parameters with covariance, and residual variance.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Estimate<P: Plan> {
+pub struct Estimate<P: RegressionLengths> {
     /// Why there is no estimate; the parameters are then zero.
     pub reason: Option<Reason>,
     /// Structure of the parameters.
@@ -54,7 +54,7 @@ impl PartialEq for SegmentNumber {
     }
 }
 
-impl<P: Plan> Estimate<P> {
+impl<P: RegressionLengths> Estimate<P> {
     /// No estimate.
     pub(crate) fn empty(plan: P) -> Self {
         let layout = plan.layout();
@@ -188,7 +188,7 @@ fn input_terms(beta: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Memory, Method, RunTime, testing};
+    use crate::plan::{Memory, Method, Plan as _, RunTime, testing};
     use std::vec;
 
     #[test]

@@ -20,7 +20,7 @@
 use super::problem::is_excited;
 use super::triangle::{Row, Triangle};
 use super::weight::{Forgetting, Mass, PRIOR};
-use crate::plan::{Array, Memory, Plan};
+use crate::plan::{Array, Memory, RegressionLengths};
 
 /// Largest number of rows of a segment summed in one factor: more would cost accuracy in single precision.
 pub const MAX_SEGMENT_ROWS: u32 = 100_000;
@@ -29,12 +29,13 @@ pub const MAX_SEGMENT_ROWS: u32 = 100_000;
 const FULL: f32 = 0.9;
 
 /// The factor of a plan's rows.
-pub type PlanTriangle<P> = Triangle<Array<<P as Plan>::Columns, f32>, Array<<P as Plan>::Packed, f32>>;
+pub type PlanTriangle<P> =
+    Triangle<Array<<P as RegressionLengths>::Columns, f32>, Array<<P as RegressionLengths>::Packed, f32>>;
 
 /// The sums over the rows of a segment, or of a fading memory.
 #[derive(Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Sums<P: Plan> {
+pub struct Sums<P: RegressionLengths> {
     sum: PlanTriangle<P>,
     /// Mean motion of the inputs (1).
     motion: f32,
@@ -52,7 +53,7 @@ const EXCITED: u8 = u8::MAX;
 const ABOVE_FLOOR: f32 = 2.0;
 
 // Not derived: the clone of an array moves its elements once more.
-impl<P: Plan> Clone for Sums<P> {
+impl<P: RegressionLengths> Clone for Sums<P> {
     #[inline(always)]
     fn clone(&self) -> Self {
         Self { sum: self.sum.clone(), ..*self }
@@ -68,7 +69,7 @@ pub const fn longest(memory: Memory) -> u32 {
     }
 }
 
-impl<P: Plan> Sums<P> {
+impl<P: RegressionLengths> Sums<P> {
     /// No rows yet.
     #[must_use]
     pub fn new(plan: P) -> Self {
@@ -216,7 +217,7 @@ mod tests {
 
     const FORGETTING: Forgetting = Forgetting { lambda: 0.999, floor: 10.0 };
 
-    fn add<P: Plan>(sums: &mut Sums<P>, memory: Memory, (cells, motion): ([f32; 3], f32)) -> bool {
+    fn add<P: RegressionLengths>(sums: &mut Sums<P>, memory: Memory, (cells, motion): ([f32; 3], f32)) -> bool {
         sums.add(memory, &Row { cells: &cells, motion }, FORGETTING, 0.01)
     }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::plan::{Method, RunTime, testing};
+use crate::plan::{Method, Plan as _, RunTime, testing};
 
 fn plan() -> RunTime {
     RunTime::of(testing::regression(Structure::new(2, 2, 1, 1, 2), Method::Instruments, Memory::Segment)).unwrap()

@@ -1,6 +1,6 @@
 //! The orders to track, and how blocks of them are formed and compared.
 
-use crate::plan::{Array, MAX_HARMONICS, Plan};
+use crate::plan::{Array, MAX_HARMONICS, ShaftLengths};
 use crate::record::{BELOW_ONE, record};
 
 /// Blocks back to which products are formed, and cells apart up to which they are kept.
@@ -74,7 +74,7 @@ pub const fn q16(order: f32) -> i32 {
 /// The orders and the blocks.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Tracking<P: Plan> {
+pub struct Tracking<P: ShaftLengths> {
     /// The orders.
     pub orders: Array<P::Orders, TrackedOrder>,
     /// Blocks, slip and noise.

@@ -30,7 +30,7 @@ use super::noise::Noise;
 use super::phasor::phasor;
 use super::residual::Residual;
 use super::response::Response;
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, ShaftLengths};
 use crate::reason::{Part, Reason};
 use crate::unroll::rolled;
 
@@ -53,12 +53,12 @@ struct Excited {
 /// c of (2) for a part of a block.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Passage<P: Plan> {
+struct Passage<P: ShaftLengths> {
     lines: Array<P::Orders, Harmonics>,
     controls: [[f32; 2]; CONTROLS],
 }
 
-impl<P: Plan> Passage<P> {
+impl<P: ShaftLengths> Passage<P> {
     fn new(plan: P) -> Self {
         let lines = Cells::filled(plan.layout().orders(), Harmonics::default());
         Self { lines, controls: [[0.0; 2]; CONTROLS] }
@@ -93,7 +93,7 @@ impl<P: Plan> Passage<P> {
 
 /// The `second` part, or the first. Hidden from the compiler, which would choose the place of each sum again.
 #[inline(always)]
-fn part<P: Plan>([one, other]: &mut [Passage<P>; 2], second: bool) -> &mut Passage<P> {
+fn part<P: ShaftLengths>([one, other]: &mut [Passage<P>; 2], second: bool) -> &mut Passage<P> {
     rolled(if second { other } else { one })
 }
 
@@ -111,7 +111,7 @@ pub struct Taken {
 /// Running state.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct OrderTracking<P: Plan> {
+pub struct OrderTracking<P: ShaftLengths> {
     lines: Array<P::Orders, Line>,
     /// The part that goes on and the one that closes, in turns.
     parts: [Passage<P>; 2],
@@ -146,13 +146,13 @@ pub struct OrderTracking<P: Plan> {
 /// The sums of a segment, separate from the running state.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct OrderSums<P: Plan> {
+pub struct OrderSums<P: ShaftLengths> {
     pub(in crate::shaft) lines: Array<P::Orders, LineSums>,
     pub(in crate::shaft) noise: Noise,
     pub(in crate::shaft) blocks: u32,
 }
 
-impl<P: Plan> OrderSums<P> {
+impl<P: ShaftLengths> OrderSums<P> {
     pub(in crate::shaft) fn new(plan: P) -> Self {
         let lines = Cells::filled(plan.layout().orders(), LineSums::EMPTY);
         Self { lines, noise: Noise::default(), blocks: 0 }
@@ -178,7 +178,7 @@ const IDLE: u8 = u8::MAX;
 /// Ratio of speeds, of a sample and of a part's mean, from which a part ends.
 const FASTER: f32 = 1.5;
 
-impl<P: Plan> OrderTracking<P> {
+impl<P: ShaftLengths> OrderTracking<P> {
     pub(in crate::shaft) fn new(plan: P) -> Self {
         Self {
             lines: Cells::filled(plan.layout().orders(), LINE),

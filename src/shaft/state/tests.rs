@@ -1,5 +1,5 @@
 use super::*;
-use crate::plan::{Layout, RunTime, RunTimeSample, ShaftLayout, Signal};
+use crate::plan::{Layout, Plan as _, RunTime, RunTimeSample, ShaftLayout, Signal};
 use crate::shaft::{Blocks, ShaftSolve, StateVariable, TrackedOrder};
 use std::vec;
 

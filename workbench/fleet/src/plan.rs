@@ -4,7 +4,7 @@
 //! protects, it has everything that a model's export needs, so that a model can be trained from parts alone.
 
 use bearing_watch::model::{Feature, MAX_BYTES, Sampling};
-use bearing_watch::plan::{Method, Plan as _};
+use bearing_watch::plan::Method;
 use bearing_watch::{Model, Park};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;

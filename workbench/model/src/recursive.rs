@@ -9,7 +9,7 @@
 //! covariance of a, b, c is M·C·Mᵀ, C that of the δ-parameters.
 
 use bearing_watch::model::Sampling;
-use bearing_watch::plan::{Plan as _, RunTime, RunTimeSample};
+use bearing_watch::plan::{RunTime, RunTimeSample};
 use bearing_watch::{Detector, Model, ModelError};
 use nalgebra::{DMatrix, DVector};
 

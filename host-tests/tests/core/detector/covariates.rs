@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{Covariate, Covariates, Feature, Field};
 use bearing_watch::plan::Structure;
-use bearing_watch::plan::{Layout, LayoutError, Memory, Method, Plan, RegressionLayout};
+use bearing_watch::plan::{Layout, LayoutError, Memory, Method, RegressionLayout};
 use bearing_watch::{Detector, Model, ModelError, Reason, Report};
 use host_tests::plans::constants;
 use nalgebra::{DMatrix, DVector};

@@ -1,7 +1,7 @@
 //! The shaft's side against oracles in f64.
 
 use bearing_watch::model::Lags;
-use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::plan::RunTime;
 use bearing_watch::shaft::{Bearing, ShaftEstimate};
 use bearing_watch::{FrictionTerm, Model};
 use rig::field::{Field, FieldValues, Slip};

@@ -1,5 +1,5 @@
 use super::*;
-use crate::plan::{Layout, RunTime, ShaftLayout, Signal};
+use crate::plan::{Layout, Plan as _, RunTime, ShaftLayout, Signal};
 use crate::shaft::orders::blocks::{Blocks, MAX_BLOCKS, TrackedOrder, q16};
 use crate::shaft::orders::noise::NoiseLine;
 use crate::shaft::orders::slip::{OrderStrength, Search, SlipRange};

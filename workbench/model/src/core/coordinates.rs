@@ -13,7 +13,7 @@
 use std::fmt;
 
 use bearing_watch::Model;
-use bearing_watch::plan::{Plan as _, RunTime};
+use bearing_watch::plan::RunTime;
 use nalgebra::{DMatrix, DVector};
 
 use super::features::{self, Catalogue};

@@ -1,7 +1,7 @@
 //! Runs a model of any layout over traces with the core's [`Detector`], the code that firmware runs.
 
 use bearing_watch::model::{Direction, EvidenceConstants, Fall, Feature, Sampling, ShaftConstants};
-use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::plan::RunTime;
 use bearing_watch::{Cause, Decision, Detector, Evidence, Model, ModelError, Reason, Report, Verdict};
 
 use super::coordinates;

@@ -10,7 +10,7 @@
 //! variance.
 
 use bearing_watch::model::{Balance, Feature, FeatureValue};
-use bearing_watch::plan::{Plan as _, RunTime};
+use bearing_watch::plan::RunTime;
 use bearing_watch::shaft::ShaftEstimate;
 use bearing_watch::{FrictionTerm, Model};
 use nalgebra::{DMatrix, DVector};

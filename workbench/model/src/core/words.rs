@@ -1,7 +1,7 @@
 //! Reasons and counts as text.
 
 use bearing_watch::model::{Feature, TrackedOrder};
-use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::plan::RunTime;
 use bearing_watch::shaft::OrderStrength;
 use bearing_watch::{ChannelSet, Counts, Implausible, Model, Obstacle, Reason, Report};
 

@@ -1,7 +1,6 @@
 //! What a hello says of the other frames of its stream.
 
 use bearing_watch::model::Feature;
-use bearing_watch::plan::Plan as _;
 use bearing_watch::telemetry::{Hello, Source};
 
 use model::core::coordinates;

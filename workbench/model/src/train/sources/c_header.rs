@@ -3,7 +3,7 @@
 
 use bearing_watch::Model;
 use bearing_watch::model::{Channel, MAX_BYTES};
-use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::plan::RunTime;
 
 use super::c_text::{enumeration, line, number, texts};
 use super::drive_header::drive_header;

@@ -7,7 +7,7 @@ use bearing_watch::model::{
     Channel, Classifier, Covariate, Covariates, Directions, EvidenceConstants, Feature, KNOTS, Law, Regression,
     Sampling, ShaftConstants,
 };
-use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
+use bearing_watch::plan::{Layout, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
 use bearing_watch::{FrictionTerm, Park};
 
 use crate::core::coordinates;

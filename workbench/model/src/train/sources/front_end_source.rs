@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use bearing_watch::drive::{FrontEndConstants, PhaseSensor};
 use bearing_watch::model::Channel;
-use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::plan::RunTime;
 use bearing_watch::{Model, Park};
 
 use crate::Error;
