@@ -71,7 +71,7 @@ pub trait ClassifierLengths: Arranged {
     /// V, the number of covariates.
     type Covariates: Size;
     /// F V.
-    type Explained: Size;
+    type CovariateMap: Size;
     /// Z, the number of coordinates.
     type Coordinates: Size;
     /// Z F.
@@ -242,7 +242,7 @@ impl Layout {
     /// F V.
     #[inline]
     #[must_use]
-    pub const fn explained(&self) -> usize {
+    pub const fn covariate_map_len(&self) -> usize {
         self.features as usize * self.covariates as usize
     }
 
