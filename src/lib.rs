@@ -114,7 +114,9 @@ pub use model::{Model, ModelError};
 pub use reason::{FrictionTerm, Implausible, Kernel, Obstacle, Part, Reason};
 pub use regression::estimate::Estimate;
 pub use report::{Report, Verdict};
-pub use signal::{Angle, Average, ChannelSet, Counts, CountsPerTurn, Liveness, LivenessLimits, Park, RateCheck, Stage};
+pub use signal::{
+    Angle, Average, ChannelSet, Counts, CountsPerTurn, Liveness, LivenessLimits, Park, RateCheck, Stage, TurnCounter,
+};
 
 #[cfg(feature = "defmt")]
 #[doc(hidden)]

@@ -88,7 +88,8 @@ fn front_end() {
     opaque(Angle::radians(Angle::plus(Angle::times(opaque(angle), opaque(6)), opaque(other))));
     opaque(Angle::since(opaque(angle), opaque(other)));
     if let Some(turn) = CountsPerTurn::new(opaque(8000)) {
-        opaque(CountsPerTurn::angle(turn, opaque(-5)));
+        let mut counter = opaque(TurnCounter::new(turn));
+        opaque(CountsPerTurn::angle(turn, TurnCounter::within(&mut counter, opaque(-5))));
     }
     let electrical = opaque(Angle::sin_cos(opaque(angle)));
 
