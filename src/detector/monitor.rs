@@ -80,6 +80,8 @@ pub struct Conclusion<'a, P: Plan> {
     pub alarm: Option<Alarm>,
     /// Whether no segment has had a verdict for too long.
     pub silence: Option<Silence>,
+    /// What the alarm is made of.
+    pub evidence: &'a Evidence<P>,
     /// Whether this is the report of the last time, which has lost its verdict because a fault was found late; the alarm
     /// is that without it.
     pub withdrawn: bool,
@@ -301,8 +303,8 @@ impl<'m, P: Plan> Monitor<'m, P> {
     }
 
     fn conclusion(&self) -> Conclusion<'_, P> {
-        let (alarm, silence) = (self.evidence.alarm(), self.evidence.silence());
-        Conclusion { report: &self.report, alarm, silence, withdrawn: false }
+        let (report, evidence) = (&self.report, &self.evidence);
+        Conclusion { report, alarm: evidence.alarm(), silence: evidence.silence(), evidence, withdrawn: false }
     }
 
     /// Whether [`Monitor::advance`] has something to solve.

@@ -89,6 +89,7 @@ fn front_end() {
     opaque(Angle::since(opaque(angle), opaque(other)));
     if let Some(turn) = CountsPerTurn::new(opaque(8000)) {
         let mut counter = opaque(TurnCounter::new(turn));
+        counter = opaque(TurnCounter::after(turn, 5, TurnCounter::within(&mut counter, opaque(7))));
         opaque(CountsPerTurn::angle(turn, TurnCounter::within(&mut counter, opaque(-5))));
     }
     let electrical = opaque(Angle::sin_cos(opaque(angle)));
