@@ -9,7 +9,7 @@
 # which Rust brings along. Where it comes before the C library on the linker's command line, as always with g++, they
 # would serve the whole program: several times slower, and without a message.
 #
-# Of a library for one plan it also writes bearing_watch_plan.h beside OUT: the sizes of its memory, for model.h.
+# Of a library for one plan it also writes bearing_watch_plan.h beside OUT: the sizes of its memory, for bearing_watch.h.
 set -eu
 prefix=$1 library=$2 out=$3
 object=${out%.a}.o
@@ -30,7 +30,7 @@ if [ -n "$state" ]; then
     {
         echo "/* What this library needs, which has a model of its own. Made by export.sh. */"
         echo "#define BW_LIBRARY_HAS_MODEL 1"
-        echo "#define BW_MODEL_STATE_SIZE $((state))u"
-        echo "#define BW_MODEL_FRONT_END_SIZE $(($(size front_end)))u"
+        echo "#define BW_PLAN_STATE_SIZE $((state))u"
+        echo "#define BW_PLAN_FRONT_END_SIZE $(($(size front_end)))u"
     } > "$plan"
 fi

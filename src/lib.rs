@@ -115,7 +115,9 @@ pub use model::{Model, ModelError};
 pub use reason::{ArithmeticFault, FrictionTerm, Implausible, Obstacle, Part, Reason};
 pub use regression::estimate::Estimate;
 pub use report::{Report, Verdict};
-pub use signal::{Angle, Average, ChannelSet, Counts, EncoderCounts, Liveness, LivenessLimits, Park, RateCheck, Stage};
+pub use signal::{
+    Angle, Average, ChannelSet, Counts, EncoderCounts, Liveness, LivenessLimits, Park, RateCheck, Stage, TurnCounter,
+};
 
 #[cfg(feature = "defmt")]
 #[doc(hidden)]

@@ -124,7 +124,7 @@ fn model_file(bytes: &[u8]) {
     };
     checksum::put(&mut model);
     let Ok(model) = ModelFile::new(Path::new("m.bwm"), &model) else { return };
-    let _header = model.c_header();
+    let _header = model.c_header(None);
     let _reason = model.refuses_pieces();
     let _preparation = model.preparation();
     let named = model.features().len() + model.orders().len() + model.trained_on().len();

@@ -4,7 +4,7 @@
  * was trained with `--front-end` and exported by `--c model.h`. A drive has its control interrupt where this program
  * reads a row. `cargo xtask c` builds this file as C and as C++, runs it in QEMU, and compares every line with what the
  * Rust example `drive` prints on the host. */
-#include "bearing_watch.h"
+#include "bearing_watch_service.h"
 #include "board.h"
 #include "model.h"
 #include "print.h"
@@ -19,7 +19,6 @@ typedef struct {
 } Row;
 
 static BwDrive drive;
-static uint32_t lost;
 static BwCode failure = BW_CODE_OK;
 
 /* The interrupt of the control loop. */
@@ -32,12 +31,11 @@ static void control_interrupt(const Row *row) {
     reading.load_torque_nm = row->further[BW_FRONT_END_FURTHER_LOAD_TORQUE_NM];
     reading.velocity_ref_rad_s = row->further[BW_FRONT_END_FURTHER_VELOCITY_REF_RAD_S];
     BwCode code = bw_drive_sample(&drive, &reading);
-    if (code == BW_CODE_CLEAN_SAMPLE) {
+    if (code == BW_CODE_COLLECT) {
         /* A drive requests the interrupt below this one, which makes this call. */
-        code = bw_drive_collect(&drive);
-        lost += code == BW_CODE_SEGMENT_LOST;
+        code = bw_collect(drive.state);
     }
-    if (code < 0 && code != BW_CODE_SEGMENT_LOST) {
+    if (code < 0) {
         failure = code;
     }
 }
@@ -49,11 +47,11 @@ static void print_report(const BwReport *report, const BwAlarm *alarm) {
     float likelihoods[BW_MAX_CLASSES];
     size_t count = 0;
     char label[17];
-    bw_label(drive.detector, report->class_index, label, sizeof label);
+    bw_label(drive.state, report->class_index, label, sizeof label);
     const char *verdict = report->verdict == BW_VERDICT_CLASS ? label : bw_verdict_name(report->verdict);
     const char *end = alarm->raised && alarm->segment == report->segment ? ", ALARM" : "";
     printf("segment %lu: %lu rows, %s%s\n", (unsigned long)report->segment - 1, (unsigned long)report->rows, verdict, end);
-    bw_values(drive.detector, BW_VALUES_LOG_LIKELIHOODS, likelihoods, BW_MAX_CLASSES, &count);
+    bw_values(drive.state, BW_VALUES_LOG_LIKELIHOODS, likelihoods, BW_MAX_CLASSES, &count);
     for (size_t k = 0; k < count; k++) {
         printf("  log-likelihood %u %08lx\n", (unsigned)k, bits(likelihoods[k]));
     }
@@ -63,7 +61,7 @@ static void print_report(const BwReport *report, const BwAlarm *alarm) {
 static BwCode turn(void) {
     BwReport report;
     BwAlarm alarm;
-    BwCode code = bw_drive_advance(&drive, &report, &alarm);
+    BwCode code = bw_advance(drive.state, &report, &alarm);
     if (code == BW_CODE_REPORT) {
         print_report(&report, &alarm);
     }
@@ -93,9 +91,11 @@ int main(void) {
     }
     BwFrontEndFaults faults;
     BwAlarm alarm;
-    bw_front_end_faults(drive.front_end, &faults);
-    bw_alarm(drive.detector, &alarm);
-    printf("%lu segments, %lu lost, front end clear: %s\n", (unsigned long)alarm.segments, (unsigned long)lost,
+    BwStatus status;
+    bw_status(drive.state, &status);
+    bw_faults(drive.state, &faults);
+    bw_alarm(drive.state, &alarm);
+    printf("%lu segments, %lu lost, front end clear: %s\n", (unsigned long)alarm.segments, (unsigned long)status.lost_segments,
            faults.clear ? "true" : "false");
     return 0;
 }

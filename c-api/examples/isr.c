@@ -3,7 +3,7 @@
  * The samples are recorded traces of the simulated standard rig, as counts of a converter; the model is trained for
  * them (`bearing-watch train --c model.h`). `cargo xtask c` builds this file as C and as C++, runs it in QEMU, and
  * compares every line with what the Rust example `monitor` prints on the host. */
-#include "bearing_watch.h"
+#include "bearing_watch_service.h"
 #include "board.h"
 #include "held_out.h"
 #include "model.h"
@@ -20,23 +20,30 @@ static uint64_t memory[BW_STATE_SIZE / sizeof(uint64_t)];
 static BwState *detector;
 
 static const int16_t *volatile next_count = held_out_start;
-static volatile uint32_t samples, last_sample;
+static volatile uint32_t samples, last_sample, behind;
 static volatile BwCode failure = BW_CODE_OK;
 
 void SysTick_Handler(void) {
     float values[BW_MODEL_CHANNELS];
     if (next_count >= held_out_end) {
+        /* A closed segment that the main loop could not be given, because it looked for one, comes with the next call. */
+        bw_collect(detector);
+        behind = behind + 1;
         return;
     }
     held_out_values(next_count, values);
     next_count += BW_MODEL_CHANNELS;
     samples = samples + 1;
-    BwCode code = bw_collect(detector, values, BW_MODEL_CHANNELS, 0);
-    if (code == BW_CODE_SEGMENT) {
+    BwCode code = bw_sample(detector, values, BW_MODEL_CHANNELS, 0);
+    if (code == BW_CODE_COLLECT) {
+        code = bw_collect(detector); /* a drive may do so in an interrupt below this one */
+    }
+    if (samples % BW_MODEL_SEGMENT_SAMPLES == 0) {
         last_sample = samples;
         /* The next recorded trace does not continue from this one. A running drive would not restart. */
         bw_restart(detector);
-    } else if (code != BW_CODE_OK) {
+    }
+    if (code < 0) {
         failure = code;
     }
 }
@@ -64,9 +71,9 @@ static void print_report(void) {
 }
 
 int main(void) {
-    BwCode code = bw_init(memory, sizeof memory, bw_model, BW_MODEL_LENGTH, &detector);
+    BwCode code = bw_start(memory, sizeof memory, bw_model, BW_MODEL_LENGTH, NULL, &detector);
     if (code < 0) {
-        return failed("bw_init", code);
+        return failed("bw_start", code);
     }
     /* A model that is read from a flash sector may be newer than this program: check what it wants. */
     for (uint8_t k = 0; k < BW_MODEL_CHANNELS; k++) {
@@ -86,15 +93,12 @@ int main(void) {
             return failed("sampling", failure);
         }
         /* Asked before the next step: the last segment is closed by then. */
-        int ended = next_count >= held_out_end;
-        code = bw_advance(detector);
+        int ended = behind > 1;
+        code = bw_advance(detector, NULL, NULL);
         if (code < 0) {
             return failed("bw_advance", code);
         }
         if (code == BW_CODE_REPORT) {
-            board_mask_interrupts();
-            bw_adopt(detector); /* for models by instrumental variables */
-            board_unmask_interrupts();
             print_report();
         } else if (code == BW_CODE_IDLE && ended) {
             return 0;

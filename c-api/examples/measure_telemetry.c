@@ -1,6 +1,6 @@
 /* Instructions and stack of recorders and frames: samples of the model, and raw samples of three currents, an absolute
  * angle and two further channels. `cargo xtask c` prints the lines. */
-#include "bearing_watch.h"
+#include "bearing_watch_service.h"
 #include "board.h"
 #include "count.h"
 #include "model.h"
@@ -65,7 +65,7 @@ int main(void) {
     start_counting();
     raw.phases = 3;
     raw.position = BW_POSITION_ABSOLUTE;
-    if (bw_init(detector_memory, sizeof detector_memory, bw_model, BW_MODEL_LENGTH, &detector) != BW_CODE_OK) {
+    if (bw_start(detector_memory, sizeof detector_memory, bw_model, BW_MODEL_LENGTH, NULL, &detector) != BW_CODE_OK) {
         return 1;
     }
     bw_telemetry_init(line_memory, sizeof line_memory, detector, BW_MODEL_ID, 1, &line);

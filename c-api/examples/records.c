@@ -4,7 +4,7 @@
  *
  * `cargo xtask release` builds it by pkg-config and by CMake from the unpacked archive of the library, and compares its
  * lines with those of the Rust example `monitor`. */
-#include "bearing_watch.h"
+#include "bearing_watch_service.h"
 #include "model.h"
 #include "print.h"
 
@@ -16,18 +16,22 @@ int main(void) {
     unsigned char bytes[2 * BW_MODEL_CHANNELS];
     float values[BW_MODEL_CHANNELS];
     BwState *detector;
-    BwCode code = bw_init(memory, sizeof memory, bw_model, BW_MODEL_LENGTH, &detector);
+    BwCode code = bw_start(memory, sizeof memory, bw_model, BW_MODEL_LENGTH, NULL, &detector);
     if (code < 0) {
-        return failed("bw_init", code);
+        return failed("bw_start", code);
     }
     while (fread(bytes, sizeof bytes, 1, stdin) == 1) {
         for (size_t k = 0; k < BW_MODEL_CHANNELS; k++) {
             unsigned count = bytes[2 * k] | (unsigned)bytes[2 * k + 1] << 8;
             values[k] = ((float)count - (count < 32768u ? 0.0f : 65536.0f)) * (limits[k] / 32768.0f);
         }
-        code = bw_step(detector, values, BW_MODEL_CHANNELS, 0);
+        code = bw_sample(detector, values, BW_MODEL_CHANNELS, 0);
         if (code < 0) {
-            return failed("bw_step", code);
+            return failed("bw_sample", code);
+        }
+        if (bw_collect(detector) == BW_CODE_SEGMENT) {
+            while ((code = bw_advance(detector, NULL, NULL)) == BW_CODE_OK) {
+            }
         }
         if (code == BW_CODE_REPORT) {
             BwReport report;

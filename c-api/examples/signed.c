@@ -4,7 +4,7 @@
  * feature `signature` as C and as C++, runs it in QEMU, and compares every line with what the Rust example `signed`
  * prints on the host. */
 #define BEARING_WATCH_SIGNATURE
-#include "bearing_watch.h"
+#include "bearing_watch_service.h"
 #include "board.h"
 #include "print.h"
 
@@ -41,7 +41,7 @@ static void verify(const char *what, size_t length, const uint8_t (*keys)[BW_KEY
         return;
     }
     BwState *detector;
-    code = bw_init(memory, sizeof memory, sector, model.model_length, &detector);
+    code = bw_start(memory, sizeof memory, sector, model.model_length, NULL, &detector);
     printf("%s: model of %lu bytes, counter %lu, %s\n", what, (unsigned long)model.model_length,
            (unsigned long)model.counter, code < 0 ? bw_error_text(code) : "read");
 }

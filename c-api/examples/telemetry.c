@@ -4,7 +4,7 @@
  * them (`bearing-watch train --c model.h`). A drive calls `sample` in its interrupt and sends frames by a serial port;
  * this program prints each frame as hexadecimal digits on a line of its own. `cargo xtask c` builds this file as C and
  * as C++, runs it in QEMU, and compares every line with what the Rust example `telemetry` prints on the host. */
-#include "bearing_watch.h"
+#include "bearing_watch_service.h"
 #include "board.h"
 #include "held_out.h"
 #include "model.h"
@@ -37,7 +37,7 @@ static void send(void) {
 }
 
 static BwCode start(void) {
-    BwCode code = bw_init(detector_memory, sizeof detector_memory, bw_model, BW_MODEL_LENGTH, &detector);
+    BwCode code = bw_start(detector_memory, sizeof detector_memory, bw_model, BW_MODEL_LENGTH, NULL, &detector);
     if (code >= 0) {
         /* The number of the model is BW_MODEL_ID; here it is that of the Rust example. A drive counts its power-ups. */
         code = bw_telemetry_init(line_memory, sizeof line_memory, detector, 1, 1, &line);
@@ -45,12 +45,19 @@ static BwCode start(void) {
     return code < 0 ? code : bw_recorder_init(recorder_memory, sizeof recorder_memory, detector, &recorder);
 }
 
-/* What the interrupt does with a sample; returns whether it closed a segment that was solved. */
+/* What the contexts do with a sample; returns whether it closed a segment, which was solved. */
 static BwCode sample(const int16_t *counts) {
     float values[BW_MODEL_CHANNELS];
     held_out_values(counts, values);
-    bw_recorder_push(recorder, values, BW_MODEL_CHANNELS, 0);
-    return bw_step(detector, values, BW_MODEL_CHANNELS, 0);
+    BwCode code = bw_sample(detector, values, BW_MODEL_CHANNELS, 0);
+    if (code == BW_CODE_COLLECT) {
+        code = bw_collect_recorded(detector, recorder);
+    }
+    if (code == BW_CODE_SEGMENT) {
+        while ((code = bw_advance(detector, NULL, NULL)) == BW_CODE_OK) {
+        }
+    }
+    return code;
 }
 
 int main(void) {

@@ -2,6 +2,7 @@
 #ifndef BEARING_H
 #define BEARING_H
 
+#include "bearing_watch_service.h"
 #include "model.h"
 
 /* In the context of the main loop. `name` is the class that caused the alarm, or "unknown". */
@@ -15,14 +16,15 @@ static inline void bearing_advance(BwDrive *drive, uint32_t milliseconds) {
     BwReport report;
     BwAlarm alarm;
     char label[17];
-    const BwCode code = bw_drive_clock(drive, milliseconds);
+    const BwCode code = bw_clock(drive->state, milliseconds);
     if (code < 0) { bearing_error(bw_error_text(code)); } /* once, until the drive is watched again */
-    if (bw_drive_advance(drive, &report, &alarm) != BW_CODE_REPORT) { return; }
+    const BwCode now = bw_advance(drive->state, &report, &alarm);
+    if (now != BW_CODE_REPORT && now != BW_CODE_WITHDRAWN) { return; }
     if (alarm.raised && !told) {
-        bool named = alarm.known && bw_label(drive->detector, alarm.class_index, label, sizeof label) >= 0;
+        bool named = alarm.known && bw_label(drive->state, alarm.class_index, label, sizeof label) >= 0;
         bearing_alarm(named ? label : "unknown");
     }
-    told = alarm.raised; /* latched until bw_reset */
+    told = alarm.raised; /* latched until bw_reset, unless the report that raised it is withdrawn */
 }
 
 /* The angle as bw_angle returns it, of turns below 128 in both directions: a float has 24 bits of one turn. */

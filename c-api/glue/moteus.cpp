@@ -21,7 +21,7 @@
 
 static BwDrive drive;
 
-static void collect() { bw_drive_collect(&drive); }
+static void collect() { bw_collect(drive.state); }
 
 void bearing_start() {
     const BwCode code = bw_drive_start(&drive, &bw_front_end);
@@ -59,7 +59,7 @@ void bearing_control_interrupt(const moteus::BldcServoStatus &status, const mote
     now.position = bearing_angle(sign * turns); /* of the rotor, before the firmware's own filter */
     now.velocity_ref_rad_s =
         status.control_velocity ? 6.2831853f * *status.control_velocity / config.rotor_to_output_ratio : NAN;
-    if (bw_drive_sample(&drive, &now) == BW_CODE_CLEAN_SAMPLE) {
+    if (bw_drive_sample(&drive, &now) == BW_CODE_COLLECT) {
         NVIC_SetPendingIRQ(FMAC_IRQn);
     }
 }

@@ -49,12 +49,12 @@ void bearing_control_loop() {
      * `bits = 32`, and this is bw_angle_from_cpr(encoder.count_in_cpr_, encoder.config_.cpr). */
     now.position = encoder.count_in_cpr_;
     now.velocity_ref_rad_s = 6.2831853f * axis.controller_.vel_setpoint_; /* from turns a second */
-    if (bw_drive_sample(&drive, &now) == BW_CODE_CLEAN_SAMPLE) {
+    if (bw_drive_sample(&drive, &now) == BW_CODE_COLLECT) {
         NVIC_SetPendingIRQ(OTG_HS_WKUP_IRQn);
     }
 }
 
-extern "C" void OTG_HS_WKUP_IRQHandler(void) { bw_drive_collect(&drive); }
+extern "C" void OTG_HS_WKUP_IRQHandler(void) { bw_collect(drive.state); }
 
 void bearing_thread(void *) {
     for (;;) {

@@ -25,12 +25,12 @@ static BwDrive drive;
 
 void bearing_start() {
     BwCode code = bw_drive_start(&drive, &bw_front_end);
-    if (code >= 0) { code = bw_drive_collect(&drive); } /* the first call tests the arithmetic */
+    if (code >= 0) { code = bw_collect(drive.state); } /* the first call tests the arithmetic */
     if (code < 0) { bearing_error(bw_error_text(code)); }
 }
 
 void bearing_control_interrupt(const FOCMotor &motor) {
-    static uint32_t number; /* a timer interrupt that is missed leaves no gap: bw_drive_clock finds it */
+    static uint32_t number; /* a timer interrupt that is missed leaves no gap: bw_clock finds it */
     /* loopFOC measures the quadrature current in this mode only, and leaves the last value if the motor is disabled. */
     const bool controlled = motor.enabled && motor.torque_controller == TorqueControlType::foc_current;
     const bool commanded =
@@ -48,6 +48,6 @@ void bearing_control_interrupt(const FOCMotor &motor) {
     bw_drive_sample(&drive, &now);
 }
 
-void bearing_lower_interrupt() { bw_drive_collect(&drive); }
+void bearing_lower_interrupt() { bw_collect(drive.state); }
 
 void bearing_main_loop() { bearing_advance(&drive, millis()); }

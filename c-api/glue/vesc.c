@@ -54,7 +54,7 @@ static void control_interrupt(void) {
     now.velocity_ref_rad_s = mcpwm_foc_control_mode() == CONTROL_MODE_SPEED
                                  ? mcpwm_foc_get_pid_speed_set() * 0.104719755f / conf->foc_encoder_ratio
                                  : NAN;
-    if (bw_drive_sample(&drive, &now) == BW_CODE_CLEAN_SAMPLE) {
+    if (bw_drive_sample(&drive, &now) == BW_CODE_COLLECT) {
         chSysLockFromISR();
         chBSemSignalI(&samples_wait);
         chSysUnlockFromISR();
@@ -64,12 +64,12 @@ static void control_interrupt(void) {
 static THD_FUNCTION(collect, argument) {
     (void)argument;
     for (;;) {
-        bw_drive_collect(&drive); /* the first call tests the arithmetic, which takes milliseconds */
+        bw_collect(drive.state); /* the first call tests the arithmetic, which takes milliseconds */
         chBSemWait(&samples_wait);
     }
 }
 
-/* Milliseconds of the system timer, which wrap as those of bw_drive_clock do. */
+/* Milliseconds of the system timer, which wrap as those of bw_clock do. */
 static uint32_t milliseconds(void) {
     static uint32_t sum_ms, last_ticks;
     const uint32_t per_ms = CH_CFG_ST_FREQUENCY / 1000;

@@ -6,6 +6,7 @@ use bearing_watch::drive::RotorFrame;
 use bearing_watch::{Angle, ArithmeticFault, Park, known_answer_test};
 
 use crate::code::{BwCode, Outcome, code};
+use crate::front_end::constants::BwPark;
 use crate::memory::{at, check, put};
 use crate::state::BwState;
 
@@ -13,18 +14,6 @@ const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_V
     Ok(version) => version,
     Err(_) => c"",
 };
-
-/// Sign convention of the Park transform.
-#[repr(i32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BwPark {
-    /// The current is not from a Park transform, or the model does not say.
-    Unknown = 0,
-    /// With the angle on the magnet axis, positive q current produces positive torque.
-    Standard = 1,
-    /// The +sin row of the source's Eq. 5.1.
-    Thesis = 2,
-}
 
 /// What the model wants.
 #[repr(C)]
@@ -46,7 +35,8 @@ pub struct BwInfo {
     pub block_mean: u32,
     /// Samples of a segment, after averaging.
     pub segment_samples: u32,
-    /// Samples of a segment within which `bw_adopt` must come.
+    /// Samples of the next segment within which a segment is to be solved, so that its estimate is the auxiliary model of
+    /// instrumental variables.
     pub handover: u32,
     /// Sign convention of the quadrature current.
     pub park: BwPark,
@@ -75,7 +65,7 @@ pub extern "C" fn bw_known_answer_test() -> u32 {
 /// Gives what the model wants.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `info` is NULL or writable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `info` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_info(state: *const BwState, info: *mut BwInfo) -> BwCode {
     // SAFETY: the same contract.
@@ -110,7 +100,7 @@ fn about(state: &BwState) -> BwInfo {
 /// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if there is no such class, or `BW_CODE_BUFFER_TOO_SMALL`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `text` is NULL or has `capacity`
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `text` is NULL or has `capacity`
 /// writable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_label(
@@ -142,7 +132,7 @@ pub unsafe extern "C" fn bw_label(
 /// Returns `BW_CODE_OK`, `BW_CODE_MODEL_CHANNEL`, or `BW_CODE_OUT_OF_RANGE` if there is no such channel.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `name` and `unit` are NULL or
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `name` and `unit` are NULL or
 /// readable up to a zero byte.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_check_channel(
@@ -168,7 +158,7 @@ pub unsafe extern "C" fn bw_check_channel(
 /// Returns `BW_CODE_OK`, also if either interval is unknown (0), or `BW_CODE_MODEL_INTERVAL`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_check_interval(state: *const BwState, interval_s: f32) -> BwCode {
     // SAFETY: the same contract.
@@ -183,7 +173,7 @@ pub unsafe extern "C" fn bw_check_interval(state: *const BwState, interval_s: f3
 /// Returns `BW_CODE_OK`, also if the model does not say, `BW_CODE_MODEL_PARK`, or `BW_CODE_OUT_OF_RANGE`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_check_park(state: *const BwState, park: i32) -> BwCode {
     // SAFETY: the same contract.

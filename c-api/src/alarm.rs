@@ -1,10 +1,11 @@
 //! The evidence of all segments.
 
-use bearing_watch::Cause;
 use bearing_watch::alarm::SilenceLimits;
+use bearing_watch::{Cause, Evidence};
 
 use crate::code::{BwCode, code};
 use crate::memory::{at, put};
+use crate::plan::Own;
 use crate::report::{BwReason, named};
 use crate::state::{BwState, OwnMonitor};
 
@@ -52,58 +53,57 @@ pub struct BwAlarm {
 /// Gives the alarm.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `alarm` is NULL or writable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `alarm` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> BwCode {
     // SAFETY: the same contract.
-    let found = unsafe { at(state) }.and_then(|state| {
-        let limit = state.model.constants().evidence.limit;
-        state.settled(|monitor| {
-            let evidence = monitor.evidence();
-            let (segments, undetermined) = evidence.segments();
-            let (raised, cause) = (evidence.alarm(), evidence.alarm().map(|alarm| alarm.cause));
-            let class = match cause {
-                Some(Cause::Class(class)) => Some(class),
-                _ => None,
-            };
-            let (main, silence) = (evidence.main_contribution(), evidence.silence());
-            let (silent_reason, silent_place) =
-                silence.and_then(|silence| silence.reason).map_or((BwReason::None, 0), named);
-            BwAlarm {
-                raised: raised.is_some(),
-                known: class.is_some(),
-                class_index: class.unwrap_or(0),
-                segment: raised.map_or(0, |alarm| alarm.segment),
-                segments,
-                undetermined,
-                score: evidence.score(),
-                limit,
-                silent: silence.is_some(),
-                silent_place,
-                silent_segments: silence.map_or(0, |silence| silence.segments),
-                silent_reason,
-                risen: main.is_some(),
-                fallen: matches!(cause, Some(Cause::Fallen(_))),
-                coordinate: match cause {
-                    Some(Cause::Coordinate(place) | Cause::Fallen(place)) => place,
-                    _ => 0,
-                },
-                deviations: main.map_or(0.0, |main| main.deviations),
-                since: main.map_or(0, |main| main.since),
-            }
-        })
-    });
+    let found = unsafe { at(state) }.and_then(|state| state.settled(|monitor| of(state, monitor.evidence())));
     // SAFETY: the same contract.
     code(found.and_then(|found| unsafe { put(alarm, found) }).map(|()| BwCode::Ok))
 }
 
+/// The alarm that this evidence makes.
+pub(crate) fn of(state: &BwState, evidence: &Evidence<Own>) -> BwAlarm {
+    let limit = state.model.constants().evidence.limit;
+    let (segments, undetermined) = evidence.segments();
+    let (raised, cause) = (evidence.alarm(), evidence.alarm().map(|alarm| alarm.cause));
+    let class = match cause {
+        Some(Cause::Class(class)) => Some(class),
+        _ => None,
+    };
+    let (main, silence) = (evidence.main_contribution(), evidence.silence());
+    let (silent_reason, silent_place) = silence.and_then(|silence| silence.reason).map_or((BwReason::None, 0), named);
+    BwAlarm {
+        raised: raised.is_some(),
+        known: class.is_some(),
+        class_index: class.unwrap_or(0),
+        segment: raised.map_or(0, |alarm| alarm.segment),
+        segments,
+        undetermined,
+        score: evidence.score(),
+        limit,
+        silent: silence.is_some(),
+        silent_place,
+        silent_segments: silence.map_or(0, |silence| silence.segments),
+        silent_reason,
+        risen: main.is_some(),
+        fallen: matches!(cause, Some(Cause::Fallen(_))),
+        coordinate: match cause {
+            Some(Cause::Coordinate(place) | Cause::Fallen(place)) => place,
+            _ => 0,
+        },
+        deviations: main.map_or(0.0, |main| main.deviations),
+        since: main.map_or(0, |main| main.since),
+    }
+}
+
 /// Sets how long verdicts may be missing before `bw_alarm` calls the diagnosis lost: a number of segments in a row, and
-/// hours by the sampling interval of the model; 0 for no such limit. `bw_init` sets 10000 segments and 24 hours.
+/// hours by the sampling interval of the model; 0 for no such limit. `bw_start` sets 10000 segments and 24 hours.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the hours are negative or not a number, or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_limit_silence(state: *mut BwState, segments: u32, hours: f32) -> BwCode {
     // SAFETY: the same contract.
@@ -118,25 +118,11 @@ pub unsafe extern "C" fn bw_limit_silence(state: *mut BwState, segments: u32, ho
     }))
 }
 
-/// Ends a run (from power-up to power-up, a session), whose segments depend on each other. Call it at power-down or
-/// where a session ends, unless the model was trained with `--segments-a-run`. A segment that is being solved is
-/// concluded first, and belongs to the run; `bw_discard` withdraws no report after it.
-///
-/// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn bw_end_run(state: *mut BwState) -> BwCode {
-    // SAFETY: the same contract.
-    let found = unsafe { at(state) };
-    let ended = found.and_then(|state| state.settled(OwnMonitor::end_run));
-    code(ended.map(|_| BwCode::Ok))
-}
-
 /// Denies the alarm, because the bearing was inspected and is sound: scores start afresh, and what raised the alarm
 /// must be 1.5 times as large to raise the next one, for three alarms at most. `BW_CODE_IDLE` without an alarm.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_deny(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
@@ -145,26 +131,13 @@ pub unsafe extern "C" fn bw_deny(state: *mut BwState) -> BwCode {
     code(denied.map(|denied| if denied { BwCode::Ok } else { BwCode::Idle }))
 }
 
-/// Starts afresh, as after a repair: open and closed segment, report, alarm and scores. With the interrupt
-/// masked. `BW_CODE_BUSY` if another function works on the state; nothing is then changed.
+/// Starts afresh, as after a repair: open and closed segment, report, alarm and scores. In the main loop while the
+/// interrupts are stopped. `BW_CODE_BUSY` if another function works on the state: call it again.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_reset(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
-    let found = unsafe { at(state) };
-    let reset = found.and_then(|state| {
-        let all = |monitor: &mut OwnMonitor| {
-            state.sampling.with(|detector| {
-                detector.restart();
-                state.missed.store(0, core::sync::atomic::Ordering::Relaxed);
-                // SAFETY: both halves of the state are held here.
-                unsafe { state.closed.empty(|_| ()) };
-                monitor.reset();
-            })
-        };
-        state.settled(all).flatten()
-    });
-    code(reset.map(|()| BwCode::Ok))
+    code(unsafe { at(state) }.and_then(|state| if state.watch.reset() { Ok(BwCode::Ok) } else { Err(BwCode::Busy) }))
 }

@@ -9,8 +9,8 @@ use crate::code::{BwCode, Outcome, code};
 use crate::front_end::constants::BwFrontEndConstants;
 use crate::front_end::faults::place_of;
 use crate::front_end::sample::phase_counts;
+use crate::lock::Lock;
 use crate::memory::{Object, Tag, at, check, elements, get, put, put_object, room};
-use crate::state::Lock;
 
 /// Bytes of memory that are enough for `bw_calibration_init`, aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_CALIBRATION_SIZE: usize = 128;

@@ -14,13 +14,13 @@ pub const BW_CAN_FRAME_SIZE: usize = 8;
 
 /// Writes the last segment, as `bw_report` and `bw_alarm` give it, into the `BW_CAN_FRAME_SIZE` bytes of a CAN frame:
 /// number, verdict with its reason, alarm with its cause, silence, usable share and distance. Send one after each
-/// `BW_CODE_REPORT`, under any identifier, and again if `bw_discard` has withdrawn the report. `bearing-watch dbc`
+/// `BW_CODE_REPORT`, under any identifier, and again with `BW_CODE_WITHDRAWN`. `bearing-watch dbc`
 /// writes the DBC file of the frame, and `bearing-watch listen --can-id` reads it from logs.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_NO_REPORT`, or `BW_CODE_BUSY`; the bytes are then as before.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `frame` is NULL or has
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `frame` is NULL or has
 /// `BW_CAN_FRAME_SIZE` writable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_can_frame(state: *mut BwState, frame: *mut u8) -> BwCode {

@@ -6,23 +6,23 @@ use bearing_watch::ModelError;
 use bearing_watch::drive::{CalibrationError, FrontEndError};
 
 /// What a function returns: 0 or above if it did what it says, below 0 if it did nothing. But with
-/// `BW_CODE_SEGMENT_LOST` the sample is taken, with `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer, and
-/// with a `BW_CODE_CALIBRATION_…` `bw_calibration_finish` names the refused sensor.
+/// `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer and `bw_end_run` has ended the run, and with a
+/// `BW_CODE_CALIBRATION_…` `bw_calibration_finish` names the refused sensor.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BwCode {
     /// Done.
     Ok = 0,
-    /// The sample closed a segment; the main loop can conclude it.
+    /// A segment has closed; the main loop can solve it.
     Segment = 1,
     /// There is a new report.
     Report = 2,
-    /// The estimate was not adopted: it came too late, has no use in this model, or is not stable. Not an error.
-    NotAdopted = 3,
+    /// The last report has lost its verdict, because a fault was found late.
+    Withdrawn = 3,
     /// There is no closed segment to solve, or no alarm to deny.
     Idle = 4,
-    /// A clean sample came out of the front end.
-    CleanSample = 5,
+    /// Samples wait: the interrupt of `bw_collect` is to be requested.
+    Collect = 5,
     /// The calibration has as many samples as it needs.
     EnoughSamples = 6,
     /// A block of recorded samples is complete and waits to be sent.
@@ -35,10 +35,8 @@ pub enum BwCode {
     MemoryTooSmall = -3,
     /// No state, or other object, was initialised at this address; a copied one does not count.
     NotInitialised = -4,
-    /// The function interrupted another one that works on the same part of the state. A sample is lost.
+    /// The function interrupted another one that works on the same part of the state.
     Busy = -5,
-    /// The sample closed a segment, but the main loop has not taken the segment before it. The new one is lost.
-    SegmentLost = -6,
     /// There is no report yet, or the next segment is being solved.
     NoReport = -7,
     /// The number of values is not the number of channels of the model, or of further channels of the front end.
@@ -49,11 +47,9 @@ pub enum BwCode {
     BufferTooSmall = -10,
     /// The blocks before were not sent: the sample is not recorded.
     RecorderFull = -11,
-    /// Four samples wait already: this one is lost, and counts as one with bad values. `bw_collect_waiting` is due.
-    SampleLost = -12,
     /// The chip, or its settings in this context, computes otherwise than the host of the training.
     Arithmetic = -13,
-    /// No sample has come for too long: `bw_drive_sample` is not called, or the front end gives none.
+    /// No sample has come for too long: `bw_sample` is not called, or the front end gives none.
     NoSample = -14,
     /// Samples wait, but were not collected for too long.
     NotCollected = -15,
@@ -138,13 +134,13 @@ pub enum BwCode {
 }
 
 impl BwCode {
-    const ALL: [Self; 62] = [
+    const ALL: [Self; 60] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
-        Self::NotAdopted,
+        Self::Withdrawn,
         Self::Idle,
-        Self::CleanSample,
+        Self::Collect,
         Self::EnoughSamples,
         Self::Block,
         Self::Null,
@@ -152,13 +148,11 @@ impl BwCode {
         Self::MemoryTooSmall,
         Self::NotInitialised,
         Self::Busy,
-        Self::SegmentLost,
         Self::NoReport,
         Self::WrongChannelCount,
         Self::OutOfRange,
         Self::BufferTooSmall,
         Self::RecorderFull,
-        Self::SampleLost,
         Self::Arithmetic,
         Self::NoSample,
         Self::NotCollected,
@@ -208,9 +202,9 @@ impl BwCode {
             Self::Ok => c"done",
             Self::Segment => c"a segment is closed",
             Self::Report => c"there is a new report",
-            Self::NotAdopted => c"the estimate was not adopted",
+            Self::Withdrawn => c"the last report is withdrawn: a fault was found late",
             Self::Idle => c"there is no closed segment to solve",
-            Self::CleanSample => c"there is a clean sample",
+            Self::Collect => c"samples wait to be collected",
             Self::EnoughSamples => c"the calibration has enough samples",
             Self::Block => c"a block of samples waits to be sent",
             Self::Null => c"a pointer is NULL",
@@ -218,13 +212,11 @@ impl BwCode {
             Self::MemoryTooSmall => c"the memory has fewer bytes than the state or object needs",
             Self::NotInitialised => c"no state or object was initialised at this address",
             Self::Busy => c"another function works on the same part of the state",
-            Self::SegmentLost => c"a segment is lost: the one before it was not taken",
             Self::NoReport => c"there is no report",
             Self::WrongChannelCount => c"the number of values is not that of the channels",
             Self::OutOfRange => c"an index or a choice is out of range",
             Self::BufferTooSmall => c"the buffer is too small",
             Self::RecorderFull => c"the blocks before were not sent: the sample is not recorded",
-            Self::SampleLost => c"a sample is lost: those before it were not collected",
             Self::Arithmetic => c"the chip computes otherwise than the host of the training",
             Self::NoSample => c"no samples come from the current loop",
             Self::NotCollected => c"samples wait, but are not collected",

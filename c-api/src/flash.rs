@@ -203,7 +203,7 @@ pub unsafe extern "C" fn bw_flash_store_model(flash: *const BwFlash, model: *con
     }))
 }
 
-/// Reads the newest good model of a flash into `buffer`, for `bw_init`, and gives the number of its bytes.
+/// Reads the newest good model of a flash into `buffer`, for `bw_start`, and gives the number of its bytes.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_FLASH_NO_RECORD`, `BW_CODE_BUFFER_TOO_SMALL`, or another `BW_CODE_FLASH_…`.
 ///

@@ -87,7 +87,7 @@ impl From<Growth> for BwGrowth {
 /// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the model does not have the direction, or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `contribution` is NULL or writable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `contribution` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_contribution(
     state: *mut BwState,
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn bw_contribution(
 /// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the model does not have the direction, or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `growth` is NULL or writable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `growth` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_growth(state: *mut BwState, direction: u8, growth: *mut BwGrowth) -> BwCode {
     // SAFETY: the same contract.
@@ -125,7 +125,7 @@ pub unsafe extern "C" fn bw_growth(state: *mut BwState, direction: u8, growth: *
 /// finite, or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `growth` is NULL or writable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `growth` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_growth_to(state: *mut BwState, direction: u8, size: f32, growth: *mut BwGrowth) -> BwCode {
     let known = size > 0.0 && size < f32::INFINITY;
@@ -153,7 +153,7 @@ unsafe fn put_growth(
 mod tests {
     use super::*;
     use crate::BW_STATE_SIZE;
-    use crate::state::bw_init;
+    use crate::state::bw_start;
     use core::mem::MaybeUninit;
 
     static FILE: &[u8] = include_bytes!("../../examples/support/standard_rig/model.bwm");
@@ -165,14 +165,15 @@ mod tests {
         let (mut growth, mut contribution) = (MaybeUninit::uninit(), MaybeUninit::uninit());
         // SAFETY: the memory is there as long as the state is used.
         unsafe {
-            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut handle);
+            let (place, none) = (memory.as_mut_ptr().cast(), core::ptr::null_mut());
+            let code = bw_start(place, BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), none, &raw mut handle);
             assert_eq!(code, BwCode::Ok);
             let mut growths = || {
                 let growth = growth.as_mut_ptr();
                 [bw_growth(handle, 0, growth), bw_growth_to(handle, 0, 9.0, growth)]
             };
             let state = at(handle).unwrap();
-            assert_eq!(state.solving.with(|_| growths()), Ok([BwCode::Busy; 2]));
+            assert_eq!(state.settled(|_| growths()), Ok([BwCode::Busy; 2]));
             assert_eq!(growths(), [BwCode::OutOfRange; 2], "this model has no directions");
             assert_eq!(bw_contribution(handle, 0, contribution.as_mut_ptr()), BwCode::OutOfRange);
         }

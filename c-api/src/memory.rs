@@ -36,6 +36,11 @@ impl Tag {
         self.mark.store(T::MARK, Ordering::Release);
     }
 
+    /// Makes it that of no object.
+    pub(crate) fn clear(&self) {
+        self.mark.store(0, Ordering::Release);
+    }
+
     fn is_of<T: Object>(&self, object: *const T) -> bool {
         self.mark.load(Ordering::Acquire) == T::MARK && self.address.load(Ordering::Relaxed) == address(object)
     }

@@ -4,7 +4,7 @@
 //! compile time. Without one, each array has places for the largest model, and the layout of the model says how many of
 //! them are in use; a larger model is refused.
 
-use bearing_watch::plan::Bounds;
+use bearing_watch::plan::{Bounds, Plan};
 
 #[cfg(not(bearing_watch_plan))]
 pub(crate) use self::AnyModel as Own;
@@ -14,6 +14,9 @@ pub(crate) use exported::Drive as Own;
 pub(crate) use exported::MODEL;
 #[cfg(bearing_watch_front_end)]
 pub(crate) use exported::{DriveFrontEnd, FURTHER};
+
+/// A sample of the plan.
+pub(crate) type Sample = <Own as Plan>::Sample;
 
 /// What `bearing-watch train --rust` wrote.
 #[cfg(bearing_watch_plan)]
@@ -87,7 +90,7 @@ bearing_watch::plan! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bearing_watch::plan::{Kind, Layout, Memory, Method, Plan as _, RegressionLayout, Signal, Structure};
+    use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Signal, Structure};
 
     const REGRESSION: RegressionLayout = RegressionLayout {
         structure: Structure::new(4, 4, 3, 7, 3).with_offset(),

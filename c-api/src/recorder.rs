@@ -5,7 +5,7 @@ use core::ffi::c_void;
 use core::mem::offset_of;
 
 use bearing_watch::Angle;
-use bearing_watch::plan::{Plan, Signals as _};
+use bearing_watch::plan::Signals as _;
 use bearing_watch::telemetry::{RawRecorder, Recorder};
 
 use crate::blocks::{Blocks, Gather};
@@ -13,7 +13,8 @@ use crate::code::{BwCode, code};
 use crate::front_end::FURTHER;
 use crate::front_end::sample::{BwRawSample, read};
 use crate::memory::{Object, Tag, at, elements, put_object, room};
-use crate::plan::Own;
+use crate::plan::{Own, Sample};
+use crate::sampling::closed;
 use crate::state::BwState;
 
 /// Bytes of a block. A sample has four for each channel, and four for the angle of a model that needs it.
@@ -86,7 +87,7 @@ recorder!(BwRawRecorder of RawSamples, 0x4257_5241);
 ///
 /// # Safety
 /// `memory` is NULL or has `size` writable bytes, which nothing else writes until the recorder is used no more. `state`
-/// is NULL, or was given by `bw_init` or has as many readable bytes. `recorder` is NULL or writable. No other function
+/// is NULL, or was given by `bw_start` or has as many readable bytes. `recorder` is NULL or writable. No other function
 /// works on the recorder.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_recorder_init(
@@ -103,7 +104,8 @@ pub unsafe extern "C" fn bw_recorder_init(
     }))
 }
 
-/// Takes a sample as `bw_collect` takes it, in the same interrupt. A complete block waits for `bw_telemetry_samples` in
+/// Takes a sample as `bw_sample` takes it, in the same interrupt; a drive with a front end calls `bw_collect_recorded`
+/// instead. A complete block waits for `bw_telemetry_samples` in
 /// the main loop, while the next one is filled.
 ///
 /// Returns `BW_CODE_OK`; `BW_CODE_BLOCK` if a complete block waits now; `BW_CODE_RECORDER_FULL` if two blocks are
@@ -125,9 +127,33 @@ pub unsafe extern "C" fn bw_recorder_push(
             return Err(BwCode::WrongChannelCount);
         }
         // SAFETY: the same contract.
-        let sample = <Own as Plan>::Sample::of(unsafe { elements(values, count)? }, Angle::from_bits(angle));
+        let sample = Sample::of(unsafe { elements(values, count)? }, Angle::from_bits(angle));
         own.0.blocks.push(|block| _ = block.push(&sample))
     }))
+}
+
+/// As `bw_collect`, and records each sample that the detector takes: a complete block waits for `bw_telemetry_samples`
+/// in the main loop. What finds both blocks complete is not recorded, and the receiver sees a gap.
+///
+/// # Safety
+/// As `bw_collect`; `recorder` is NULL, or was given by `bw_recorder_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_collect_recorded(state: *mut BwState, recorder: *mut BwRecorder) -> BwCode {
+    // SAFETY: the same contract.
+    let given = unsafe { at(state) }.and_then(|state| unsafe { Ok((state, at(recorder)?)) });
+    code(
+        given.map(|(state, recorder)| closed(state.watch.collect_with(|sample, missed| recorder.take(sample, missed)))),
+    )
+}
+
+impl BwRecorder {
+    /// Takes a sample of the detector, behind some that were lost.
+    pub(crate) fn take(&self, sample: &Sample, missed: u16) {
+        if missed > 0 {
+            let _busy = self.0.blocks.change(|block| block.skip(missed.into()));
+        }
+        let _full = self.0.blocks.push(|block| _ = block.push(sample));
+    }
 }
 
 /// Passes over samples that were not taken, such as those of missed interrupts. What follows `bw_restart` does not
@@ -171,7 +197,7 @@ pub unsafe extern "C" fn bw_raw_recorder_init(
     }))
 }
 
-/// Takes a raw sample as `bw_front_end_push` takes it, in the same interrupt. A complete block waits for
+/// Takes a raw sample as `bw_sample_raw` takes it, in the same interrupt. A complete block waits for
 /// `bw_telemetry_raw` in the main loop, while the next one is filled.
 ///
 /// Returns `BW_CODE_OK`; `BW_CODE_BLOCK` if a complete block waits now; `BW_CODE_RECORDER_FULL` if two blocks are

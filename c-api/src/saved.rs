@@ -10,7 +10,7 @@ use crate::state::BwState;
 /// Gives the number of bytes that `bw_save` writes for the model of this state.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `length` is NULL or writable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `length` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize) -> BwCode {
     // SAFETY: the same contract.
@@ -19,14 +19,46 @@ pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize
     code(size.and_then(|size| unsafe { put(length, size) }).map(|()| BwCode::Ok))
 }
 
-/// Writes alarm and scores into `bytes`, to be stored where they survive power-off. Call `bw_end_run` before, at
-/// power-down where a run is from power-up to power-up. The open segment is not saved.
+/// Ends a run (from power-up to power-up, a session), whose segments depend on each other, and writes alarm and scores
+/// into `bytes` and their number into `length`, to be stored where they survive power-off; the next start gives them to
+/// `bw_restore`. Call it at power-down or where a session ends, unless the model was trained with `--segments-a-run`.
+/// `bytes` may be NULL: nothing is written then, and `length` is not used. A segment that is being solved is concluded
+/// first, and belongs to the run; the open segment is not saved.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives (the run has ended),
+/// or `BW_CODE_BUSY`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
+/// bytes. `length` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_end_run(
+    state: *mut BwState,
+    bytes: *mut u8,
+    capacity: usize,
+    length: *mut usize,
+) -> BwCode {
+    // SAFETY: the same contract.
+    let ended = unsafe { at(state) }.and_then(|state| state.settled(|monitor| _ = monitor.end_run()));
+    // SAFETY: the same contract.
+    let write = |()| unsafe {
+        if !bytes.is_null() {
+            check(length)?;
+            put(length, save(state, bytes, capacity)?.0.len())?;
+        }
+        Ok(BwCode::Ok)
+    };
+    code(ended.and_then(write))
+}
+
+/// Writes alarm and scores of a run that goes on into `bytes`, for a power-off that comes without a warning. The open
+/// segment is not saved.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives, or
 /// `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
 /// bytes.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -60,7 +92,7 @@ pub(crate) unsafe fn save<'a>(state: *mut BwState, bytes: *mut u8, capacity: usi
 /// `BW_CODE_OTHER_MODEL` if they are that of another model, or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `length` readable
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `length` readable
 /// bytes.
 #[must_use]
 #[unsafe(no_mangle)]

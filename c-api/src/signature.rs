@@ -16,7 +16,7 @@ pub const BW_KEY_SIZE: usize = 32;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BwSigned {
-    /// Bytes of the model, for `bw_init`.
+    /// Bytes of the model, for `bw_start`.
     pub model_length: usize,
     /// Bytes of model and signature.
     pub length: usize,
@@ -24,11 +24,11 @@ pub struct BwSigned {
     pub counter: u32,
 }
 
-/// Checks the model that these bytes start with and the signature of `bearing-watch sign` behind it, before `bw_init`;
+/// Checks the model that these bytes start with and the signature of `bearing-watch sign` behind it, before `bw_start`;
 /// what follows both, such as the erased rest of a flash sector, is ignored. `keys` are the public keys that may sign,
 /// as `bearing-watch sign --key FILE` prints them; without one everything is refused. `least_counter` is the counter of
 /// the newest model that has run: keep it where an attacker cannot write it back. The bytes must not change until
-/// `bw_init` has read them. A library that was built without the feature `signature` does not have this function;
+/// `bw_start` has read them. A library that was built without the feature `signature` does not have this function;
 /// define `BEARING_WATCH_SIGNATURE` before the header to declare it.
 ///
 /// Takes about 2 million instructions and 6 kB of stack. It is the one function of which the linker does not prove that

@@ -7,13 +7,14 @@ use bearing_watch::model::Label;
 use bearing_watch::telemetry::{Encoder, RawEncoder, Source, TooSmall};
 
 use crate::code::{BwCode, Outcome, code};
+use crate::lock::Lock;
 use crate::memory::{Object, Tag, at, check, elements_mut, put, put_object, room};
 use crate::plan::{
     BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COORDINATES, BW_MAX_DIRECTIONS, BW_MAX_FEATURES, BW_MAX_ORDERS,
     BW_MAX_RISING, Own,
 };
 use crate::recorder::{BW_BLOCK_BYTES, BwRawRecorder, BwRecorder};
-use crate::state::{BwState, Lock};
+use crate::state::BwState;
 
 /// Bytes of memory that are enough for `bw_telemetry_init`, aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_TELEMETRY_SIZE: usize = 48;
@@ -63,11 +64,11 @@ enum Line {
 /// Makes a line without frames in memory of the caller, and gives its address in `telemetry`. With a `state` it sends
 /// its reports and samples, and raw samples; without one, NULL, raw samples only. `model_id` is any number that
 /// identifies the model, such as `BW_MODEL_ID`; `session` is one that changes with each power-up, such as a count of
-/// them. After another `bw_init` of the state the line has to be initialised again, too.
+/// them. After another `bw_start` of the state the line has to be initialised again, too.
 ///
 /// # Safety
 /// `memory` is NULL or has `size` writable bytes, which nothing else writes until the line is used no more. `state` is
-/// NULL, or was given by `bw_init` or has as many readable bytes, and is there as long as the line. `telemetry` is NULL
+/// NULL, or was given by `bw_start` or has as many readable bytes, and is there as long as the line. `telemetry` is NULL
 /// or writable. No other function works on the line.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_telemetry_init(

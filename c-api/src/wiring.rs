@@ -7,8 +7,10 @@ use bearing_watch::drive::{Wiring, WiringCheck, WiringFault, WiringLimits};
 
 use crate::code::{BwCode, code};
 use crate::front_end::constants::BwFrontEndConstants;
+use crate::front_end::sample::{BwRawSample, read};
+use crate::lock::Lock;
 use crate::memory::{Object, Tag, at, get, put, put_object, room};
-use crate::state::Lock;
+use crate::state::BwState;
 
 /// Bytes of memory that are enough for `bw_wiring_init`, aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_WIRING_SIZE: usize = 512;
@@ -132,7 +134,7 @@ impl Object for BwWiringCheck {
 }
 
 /// Makes a check without samples in memory of the caller, and gives its address in `wiring`. Feed it by
-/// `bw_front_end_check_wiring` while the drive moves under current control by a turn or more, best to and fro.
+/// `bw_check_wiring` while the drive moves under current control by a turn or more, best to and fro.
 ///
 /// Returns `BW_CODE_OK`, or what is wrong with memory or constants.
 ///
@@ -159,6 +161,32 @@ pub unsafe extern "C" fn bw_wiring_init(
         };
         let check = Lock::new(WiringCheck::new(constants.frame, constants.control_rate_hz, limits));
         put_object(place, BwWiringCheck { tag: Tag::none(), check }, wiring)
+    }))
+}
+
+/// Takes a raw sample at commissioning, for a check of the wiring instead of the detector. `velocity_rad_s` is one of the
+/// drive's own, NaN if there is none. The times of `bw_clock` count anew behind it.
+///
+/// Returns `BW_CODE_OK`; `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is, or if the state has no front
+/// end; or `BW_CODE_BUSY`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes; likewise `wiring` by `bw_wiring_init`. `raw`
+/// is NULL or readable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_check_wiring(
+    state: *mut BwState,
+    raw: *const BwRawSample,
+    velocity_rad_s: f32,
+    wiring: *mut BwWiringCheck,
+) -> BwCode {
+    // SAFETY: the same contract; every bit pattern of a raw sample is valid.
+    let given = unsafe { at(state) }
+        .and_then(|state| unsafe { Ok((state, at(wiring)?, read(raw, (core::ptr::null(), 0), 0)?)) });
+    code(given.and_then(|(state, wiring, raw)| {
+        state.further.ok_or(BwCode::OutOfRange)?;
+        wiring.check.with(|check| state.watch.check_wiring(raw, velocity_rad_s, check))?;
+        Ok(BwCode::Ok)
     }))
 }
 

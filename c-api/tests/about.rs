@@ -29,7 +29,7 @@ use bearing_watch::plan::{Plan, Signals};
 use bearing_watch::{Angle, Model};
 use bearing_watch_c::*;
 
-use support::{FILE, Memory, bytes, channels, values};
+use support::{FILE, Memory, bytes, channels, conclude, values};
 
 fn info(state: *const BwState) -> BwInfo {
     let mut info = MaybeUninit::<BwInfo>::uninit();
@@ -41,9 +41,7 @@ fn info(state: *const BwState) -> BwInfo {
 }
 
 fn collect<P: Plan>(state: *mut BwState, model: &Model<P>, sample: &P::Sample, angle: Angle) -> BwCode {
-    let values = channels(model, sample);
-    // SAFETY: the state is initialised, and the values are there.
-    unsafe { bw_collect(state, values.as_ptr(), values.len(), angle.bits()) }
+    support::collect(state, &channels(model, sample), angle.bits())
 }
 
 /// The scores of the orders of a segment whose angles are passed on by `angle`.
@@ -53,8 +51,7 @@ fn orders(state: *mut BwState, angle: impl Fn(Angle) -> Angle) -> Vec<u32> {
         let sample: shaft::Sample = plant.motion().into();
         collect(state, &shaft::MODEL, &sample, angle(sample.angle()));
     }
-    // SAFETY: the state is initialised.
-    assert_eq!(unsafe { bw_conclude(state) }, BwCode::Report);
+    assert_eq!(conclude(state), BwCode::Report);
     values(state, BwValues::OrderAmplitudes).iter().map(|x| x.to_bits()).collect()
 }
 
@@ -69,25 +66,28 @@ fn an_angle_is_needed_where_it_changes_a_result() {
     assert!(!info(memory.state(FILE).expect("good model")).needs_angle, "least squares alone");
 }
 
-/// Whether the estimate of the first segment is adopted after `samples` samples of the second segment.
-fn adopted_after(samples: u32) -> bool {
+/// The parameters of the third segment if the first one is solved behind `samples` samples of the second one.
+fn third(samples: u32) -> Vec<f32> {
     let mut memory = Memory::new();
     let state = memory.state(&bytes(&refined::MODEL)).expect("good model");
-    let mut plant = refined::Plant::new(5);
-    for _ in 0..info(state).segment_samples + samples {
+    let (mut plant, segment) = (refined::Plant::new(5), info(state).segment_samples);
+    for k in 1..=3 * segment {
         collect(state, &refined::MODEL, &plant.sample(), Angle::ZERO);
+        // The second one is solved at once, and is another one.
+        if k == segment + samples || k == 2 * segment {
+            assert_eq!(conclude(state), BwCode::Report);
+        }
     }
-    // SAFETY: the state is initialised.
-    unsafe {
-        assert_eq!(bw_conclude(state), BwCode::Report);
-        bw_adopt(state) == BwCode::Ok
-    }
+    assert_eq!(conclude(state), BwCode::Report);
+    values(state, BwValues::Parameters)
 }
 
+/// By instrumental variables a segment depends on the estimate of the one before, if that comes in time.
 #[test]
 fn an_estimate_comes_in_time_until_the_handover() {
     let mut memory = Memory::new();
     let handover = info(memory.state(&bytes(&refined::MODEL)).expect("good model")).handover;
     assert!(handover > 0);
-    assert_eq!([0, handover - 1, handover + 1].map(adopted_after), [true, true, false], "{handover}");
+    let [at_once, in_time, late] = [0, handover - 1, handover + 1].map(third);
+    assert!(at_once == in_time && in_time != late, "{handover}: {at_once:?} {in_time:?} {late:?}");
 }

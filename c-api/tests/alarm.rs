@@ -20,7 +20,7 @@ mod alarmed;
 use bearing_watch_c::*;
 
 use standard_rig::model::{MODEL, Sample};
-use support::{Memory, SEGMENT, alarm, bytes, channels};
+use support::{Memory, SEGMENT, alarm, bytes, channels, step};
 
 /// The second trace is of a spall.
 const SPALL: usize = 1;
@@ -29,8 +29,7 @@ const SPALL: usize = 1;
 fn take(state: *mut BwState, trace: usize, gain: f32) -> BwAlarm {
     for sample in standard_rig::samples().skip(trace * SEGMENT).take(SEGMENT) {
         let values = channels(&MODEL, &Sample { current_a: gain * sample.current_a, ..sample });
-        // SAFETY: the state is initialised, and the values are there.
-        unsafe { bw_step(state, values.as_ptr(), values.len(), 0) };
+        step(state, &values, 0);
     }
     alarm(state)
 }

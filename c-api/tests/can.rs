@@ -20,11 +20,11 @@ mod alarmed;
 use core::ptr::null_mut;
 
 use bearing_watch::telemetry::{CanPieces, SegmentFrame};
-use bearing_watch::{Cause, Detector, Monitor, Reason, Verdict};
+use bearing_watch::{Cause, Detector, Monitor, Verdict};
 use bearing_watch_c::*;
 
 use standard_rig::model::{MODEL, Sample};
-use support::{FILE, Memory, SEGMENT, bytes, channels};
+use support::{FILE, Memory, bytes, channels};
 
 const UNTOUCHED: [u8; BW_CAN_FRAME_SIZE] = [0xA5; BW_CAN_FRAME_SIZE];
 
@@ -37,8 +37,7 @@ fn frame(state: *mut BwState) -> (BwCode, [u8; BW_CAN_FRAME_SIZE]) {
 
 fn step(state: *mut BwState, sample: &Sample) -> BwCode {
     let values = channels(&MODEL, sample);
-    // SAFETY: the state is initialised, and the values are there.
-    unsafe { bw_step(state, values.as_ptr(), values.len(), 0) }
+    support::step(state, &values, 0)
 }
 
 #[test]
@@ -61,23 +60,6 @@ fn frames_are_those_of_the_core() {
     assert_eq!(frames[1].verdict(), Verdict::Class(1));
     assert_eq!([0, 2].map(|k| frames[k].alarm()), [None, Some(Cause::Unknown)]);
     assert!(frames[1].distance() > frames[0].distance(), "{frames:?}");
-}
-
-#[test]
-fn a_report_that_is_withdrawn_is_sent_again_with_its_number() {
-    let mut memory = Memory::new();
-    let state = memory.state(FILE).expect("good model");
-    let first: Vec<_> = standard_rig::samples().take(SEGMENT).collect();
-    let codes: Vec<_> = first.iter().map(|sample| step(state, sample)).collect();
-    assert_eq!(codes.last(), Some(&BwCode::Report));
-    let before = SegmentFrame::from_bytes(frame(state).1).expect("a segment");
-    assert!(first[..SEGMENT / 4].iter().all(|sample| step(state, sample) == BwCode::Ok));
-    let mut in_doubt = 0;
-    // SAFETY: the state is initialised, and the place is writable.
-    assert_eq!(unsafe { bw_discard(state, &raw mut in_doubt) }, BwCode::Ok);
-    let after = SegmentFrame::from_bytes(frame(state).1).expect("a segment");
-    assert_eq!((in_doubt, before.verdict()), (1, Verdict::Class(0)));
-    assert_eq!((after.segment(), after.verdict()), (before.segment(), Verdict::Undetermined(Reason::FoundLate)));
 }
 
 #[test]

@@ -20,7 +20,7 @@ use bearing_watch::model::{
 use bearing_watch::plan::{Layout, Memory as Rows, Method, RegressionLayout, Structure};
 use bearing_watch_c::*;
 
-use support::{Memory, bytes, values};
+use support::{Memory, bytes, step, values};
 
 bearing_watch::plan! {
     /// Three channels of a regression, and as many beside them as the library averages.
@@ -96,7 +96,7 @@ fn reported(memory: &mut Memory, of: impl Fn(u32) -> [f32; CHANNELS]) -> (*mut B
     let mut report = MaybeUninit::<BwReport>::uninit();
     // SAFETY: the state is initialised, and the values are there; the report is written if the code says so.
     let report = unsafe {
-        (0..SEGMENT).for_each(|k| _ = bw_step(state, of(k).as_ptr(), CHANNELS, 0));
+        (0..SEGMENT).for_each(|k| _ = step(state, &of(k), 0));
         assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::Ok);
         report.assume_init()
     };

@@ -133,11 +133,9 @@ fn restore(chip: &mut Chip, state: *mut BwState) -> BwCode {
 fn conclude(state: *mut BwState) {
     for sample in standard_rig::samples().take(SEGMENT) {
         let values = channels(&MODEL, &sample);
-        // SAFETY: the state is initialised, and the values are there.
-        unsafe { bw_collect(state, values.as_ptr(), values.len(), 0) };
+        support::collect(state, &values, 0);
     }
-    // SAFETY: the state is initialised.
-    assert_eq!(unsafe { bw_conclude(state) }, BwCode::Report);
+    assert_eq!(support::conclude(state), BwCode::Report);
 }
 
 #[test]

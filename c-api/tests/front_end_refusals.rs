@@ -20,10 +20,10 @@ use core::ffi::{CStr, c_void};
 use core::mem::MaybeUninit;
 use core::ptr::{null, null_mut};
 
-use bearing_watch::{Model, Park};
 use bearing_watch_c::*;
 
 use drive::{CONSTANTS, for_c, raw, raw_for_c};
+use support::ACTUATOR;
 
 /// Calls a function on memory of the test.
 macro_rules! call {
@@ -55,7 +55,7 @@ fn memory() -> Vec<u64> {
 }
 
 fn constants() -> BwFrontEndConstants {
-    for_c(&CONSTANTS, 8, 2)
+    for_c(&CONSTANTS, 10, 2)
 }
 
 fn front_end(memory: &mut [u64], constants: &BwFrontEndConstants) -> Result<*mut BwFrontEnd, BwCode> {
@@ -68,16 +68,18 @@ fn front_end(memory: &mut [u64], constants: &BwFrontEndConstants) -> Result<*mut
 
 /// What every function says to this object.
 fn all(object: *mut c_void) -> Vec<BwCode> {
-    let (mut memory, sample) = (memory(), raw_for_c(&raw(0)));
-    let (mut clean, mut faults, mut wiring) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
+    let (sample, mut wiring, mut state) = (raw_for_c(&raw(0)), MaybeUninit::uninit(), null_mut());
     let (mut own, mut refused) = (constants(), BwRefusedOffset { phase: 0, value: 0.0 });
-    let good = front_end(&mut memory, &own).expect("a front end");
+    let (mut memory, mut place) = (support::Memory::new(), support::Memory::new());
+    let good = memory.drive(ACTUATOR, &own).expect("a drive");
+    let (first, length, place) = (ACTUATOR.as_ptr(), ACTUATOR.len(), place.address());
     call!(vec![
-        bw_front_end_push(object.cast(), &sample, [0.0; 2].as_ptr(), 2, clean.as_mut_ptr()),
-        bw_front_end_faults(object.cast(), faults.as_mut_ptr()),
-        bw_front_end_clear_faults(object.cast()),
-        bw_front_end_check_wiring(object.cast(), &sample, 0.0, null_mut()),
-        bw_front_end_check_wiring(good, &sample, 0.0, object.cast()),
+        if object.is_null() {
+            BwCode::Null // a drive without a front end
+        } else {
+            bw_start(place, BW_STATE_SIZE, first, length, object.cast(), &raw mut state)
+        },
+        bw_check_wiring(good, &sample, 0.0, object.cast()),
         bw_wiring_conclude(object.cast(), wiring.as_mut_ptr()),
         bw_calibration_push(object.cast(), [0; 3].as_ptr(), 3),
         bw_calibration_finish(object.cast(), &raw mut own, &raw mut refused),
@@ -95,15 +97,16 @@ fn every_function_refuses_what_is_not_its_object() {
     front_end(&mut other, &constants()).expect("a front end");
     memory.copy_from_slice(&other);
     assert!(all(address).iter().all(|code| *code == BwCode::NotInitialised), "a copy");
-    // A front end is neither a calibration nor a check, and the other way round.
+    // A front end is neither a calibration nor a check, and the other way round; and it is that of one state.
     let codes = all(other.as_mut_ptr().cast());
-    assert_eq!(codes[4..], [BwCode::NotInitialised; 4]);
+    assert_eq!((codes[0], &codes[1..]), (BwCode::Ok, &[BwCode::NotInitialised; 4][..]));
+    assert_eq!(all(other.as_mut_ptr().cast())[0], BwCode::NotInitialised);
     let mut calibration = null_mut();
     call!(bw_calibration_init(address, SIZE, &CALIBRATION, &raw mut calibration));
     let codes = all(address);
     assert_eq!(
-        (&codes[..6], &codes[6..]),
-        (&[BwCode::NotInitialised; 6][..], &[BwCode::Ok, BwCode::CalibrationTooFew][..])
+        (&codes[..3], &codes[3..]),
+        (&[BwCode::NotInitialised; 3][..], &[BwCode::Ok, BwCode::CalibrationTooFew][..])
     );
 }
 
@@ -180,32 +183,34 @@ fn constants_out_of_range_are_refused_by_name() {
 
 #[test]
 fn samples_that_are_wrong_are_refused() {
-    let mut memory = memory();
-    let own = front_end(&mut memory, &constants()).expect("a front end");
-    let (sample, further, mut clean) = (raw_for_c(&raw(0)), [0.0_f32; 3], MaybeUninit::uninit());
-    let (values, place) = (further.as_ptr(), clean.as_mut_ptr());
+    let mut memory = support::Memory::new();
+    let own = memory.drive(ACTUATOR, &constants()).expect("a drive");
+    let (sample, further) = (raw_for_c(&raw(0)), [0.0_f32; 4]);
+    let values = further.as_ptr();
     let first: *const BwRawSample = &raw const sample;
     call!({
-        assert_eq!(bw_front_end_push(own, null(), values, 2, place), BwCode::Null);
-        assert_eq!(bw_front_end_push(own, first.wrapping_byte_add(2), values, 2, place), BwCode::Misaligned);
-        assert_eq!(bw_front_end_push(own, first, null(), 2, place), BwCode::Null);
-        assert_eq!(bw_front_end_push(own, first, values.wrapping_byte_add(1), 2, place), BwCode::Misaligned);
-        assert_eq!(bw_front_end_push(own, first, values, 2, null_mut()), BwCode::Null);
+        assert_eq!(bw_sample_raw(own, null(), values, 2), BwCode::Null);
+        assert_eq!(bw_sample_raw(own, first.wrapping_byte_add(2), values, 2), BwCode::Misaligned);
+        assert_eq!(bw_sample_raw(own, first, null(), 2), BwCode::Null);
+        assert_eq!(bw_sample_raw(own, first, values.wrapping_byte_add(1), 2), BwCode::Misaligned);
         for count in [0, 1, 3, usize::MAX] {
-            assert_eq!(bw_front_end_push(own, first, values, count, place), BwCode::WrongChannelCount);
+            assert_eq!(bw_sample_raw(own, first, values, count), BwCode::WrongChannelCount);
         }
         for phases in [0, 4, 255] {
             let sample = BwRawSample { phases, ..sample };
-            assert_eq!(bw_front_end_push(own, &sample, values, 2, place), BwCode::OutOfRange);
+            assert_eq!(bw_sample_raw(own, &sample, values, 2), BwCode::OutOfRange);
         }
         let sample = BwRawSample { position: 3, ..sample };
-        assert_eq!(bw_front_end_push(own, &sample, values, 2, place), BwCode::OutOfRange);
-        assert_eq!(bw_front_end_faults(own, null_mut()), BwCode::Null);
+        assert_eq!(bw_sample_raw(own, &sample, values, 2), BwCode::OutOfRange);
+        assert_eq!(bw_sample(own, values, 4, 0), BwCode::OutOfRange, "signals of the drive's own");
+        assert_eq!(bw_faults(own, null_mut()), BwCode::Null);
         let mut faults = MaybeUninit::<BwFrontEndFaults>::uninit();
-        assert_eq!(bw_front_end_faults(own, faults.as_mut_ptr()), BwCode::Ok);
+        assert_eq!(bw_faults(own, faults.as_mut_ptr()), BwCode::Ok);
         let faults = faults.assume_init();
         assert_eq!((faults.lock, faults.gaps), (BwLock::Searching, 0), "no sample was taken");
-        assert_eq!(bw_front_end_push(own, first, values, 2, place), BwCode::Ok);
+        assert_eq!(bw_sample_raw(own, first, values, 2), BwCode::Collect, "the first call tests the arithmetic");
+        let next = BwRawSample { number: 1, ..raw_for_c(&raw(1)) };
+        assert_eq!(bw_sample_raw(own, &next, values, 2), BwCode::Ok);
     });
 }
 
@@ -236,29 +241,19 @@ fn a_calibration_refuses_wrong_counts_and_places() {
 #[test]
 fn a_front_end_that_differs_from_training_is_refused() {
     let mut memory = support::Memory::new();
-    let state = memory.state(support::FILE).expect("good model");
-    let check = |change: fn(&mut BwFrontEndConstants)| {
-        // The model's samples come every 2 ms.
-        let mut own = BwFrontEndConstants { control_rate_hz: 4000.0, ..constants() };
+    let mut start = |change: fn(&mut BwFrontEndConstants)| {
+        let mut own = constants();
         change(&mut own);
-        call!(bw_check_front_end(state, &own))
+        memory.drive(ACTUATOR, &own).err()
     };
-    assert_eq!(check(|_| {}), BwCode::Ok);
-    assert_eq!(check(|own| own.factor = 16), BwCode::ModelInterval);
-    assert_eq!(check(|own| own.control_rate_hz = 4100.0), BwCode::ModelInterval);
-    assert_eq!(check(|own| own.pole_pairs = 0), BwCode::FrontEndPolePairs);
-    assert_eq!(check(|own| own.park = 7), BwCode::OutOfRange);
-    assert_eq!(call!(bw_check_front_end(state, null())), BwCode::Null);
-    assert_eq!(call!(bw_check_front_end(null(), &constants())), BwCode::Null);
-    // A model that was trained with the other sign convention.
-    let trained = Model::<AnyModel>::from_bytes(support::FILE).expect("good model");
-    let mut changed = trained.constants().clone();
-    changed.sampling.park = Some(Park::Thesis);
-    let bytes = support::bytes(&Model::new(trained.plan(), changed).expect("good model"));
-    let state = memory.state(&bytes).expect("good model");
-    let own = BwFrontEndConstants { control_rate_hz: 4000.0, ..constants() };
-    assert_eq!(call!(bw_check_front_end(state, &own)), BwCode::ModelPark);
-    assert_eq!(call!(bw_check_front_end(state, &BwFrontEndConstants { park: 2, ..own })), BwCode::Ok);
+    assert_eq!(start(|own| own.factor = 12), Some(BwCode::ModelInterval));
+    assert_eq!(start(|own| own.control_rate_hz = 10_200.0), Some(BwCode::ModelInterval));
+    assert_eq!(start(|own| own.pole_pairs = 0), Some(BwCode::FrontEndPolePairs));
+    assert_eq!(start(|own| own.park = 7), Some(BwCode::OutOfRange));
+    assert_eq!(start(|own| own.park = 2), Some(BwCode::ModelPark));
+    assert_eq!(start(|own| own.further = 3), Some(BwCode::FrontEndFurther));
+    // And with right constants.
+    assert_eq!(start(|_| {}), None);
 }
 
 #[test]

@@ -122,14 +122,13 @@ fn run(
         let [first, second]: [f32; 2] = numbers.array();
         let sample = Sample { first: first + 0.1 * offsets[0], second: second + 0.1 * offsets[1] + level };
         let values = channels(model, &sample);
-        // SAFETY: the state is initialised, and the values are there.
-        unsafe { bw_step(state, values.as_ptr(), values.len(), 0) };
+        support::step(state, &values, 0);
         monitor.step(&mut detector, &sample);
     }
     monitor.end_run();
     // SAFETY: the state is initialised.
     unsafe {
-        assert_eq!(bw_end_run(state), BwCode::Ok);
+        assert_eq!(bw_end_run(state, null_mut(), 0, null_mut()), BwCode::Ok);
         assert_eq!(bw_restart(state), BwCode::Ok);
     }
 }

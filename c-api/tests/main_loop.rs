@@ -20,11 +20,16 @@ fn library() -> PathBuf {
 
 /// Builds the program with the header of a model, and returns what it prints; `None` without a compiler.
 fn prints(model: &str, word: &str) -> Option<String> {
-    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("main_loop_{model}_{word}"));
+    prints_of("main", model, word)
+}
+
+/// The same of another program.
+fn prints_of(name: &str, model: &str, word: &str) -> Option<String> {
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}_{model}_{word}"));
     let mut compiler = Command::new("cc");
     compiler.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-D_DEFAULT_SOURCE", "-o"]).arg(&program);
     compiler.arg(format!("-I{ROOT}/c-api/include")).arg(format!("-I{ROOT}/examples/support/{model}"));
-    compiler.arg(format!("{ROOT}/c-api/tests/main_loop/main.c")).arg(library()).args(["-lm", "-lpthread", "-ldl"]);
+    compiler.arg(format!("{ROOT}/c-api/tests/main_loop/{name}.c")).arg(library()).args(["-lm", "-lpthread", "-ldl"]);
     let Ok(built) = compiler.output() else {
         println!("skipped: no C compiler");
         return None;
@@ -37,10 +42,11 @@ fn prints(model: &str, word: &str) -> Option<String> {
 
 #[test]
 fn a_queue_that_was_full_is_collected_again() {
-    // Twelve clean samples come while nothing is collected, of which four wait, and the next one before the collection.
-    for (model, reports) in [("actuator", 6), ("standard_rig", 3)] {
+    // Twelve clean samples come while nothing is collected: four wait, and one before them. A front end makes room with
+    // its next reading; signals of the drive's own come with the next sample, before which one more is lost.
+    for (model, reports, lost) in [("actuator", 6, 7), ("standard_rig", 3, 8)] {
         let Some(out) = prints(model, "blocked") else { return };
-        assert!(out.contains(&format!("{reports} reports, 9 lost, ")), "{model}: {out}");
+        assert!(out.contains(&format!("{reports} reports, {lost} lost, ")), "{model}: {out}");
     }
 }
 
@@ -60,4 +66,15 @@ fn no_verdict_comes_of_exchanged_phases() {
     assert!(right.starts_with("6 reports, 0 lost, alignment 1, ") && !right.contains("reason 12 16"), "{right}");
     let exchanged = prints("actuator", "exchanged").expect("a compiler");
     assert_eq!(exchanged, "6 reports, 0 lost, alignment 2, reason 12 16\n", "BW_REASON_IMPLAUSIBLE, wiring");
+}
+
+/// Each motor prints what it prints alone.
+#[test]
+fn two_motors_with_two_models_run_in_one_program() {
+    let Some(both) = prints_of("two_motors", "actuator", "both") else { return };
+    for (motor, reports) in [("first", 10), ("second", 2)] {
+        let alone = prints_of("two_motors", "actuator", motor).expect("a compiler");
+        let beside: String = both.split_inclusive('\n').filter(|line| line.starts_with(motor)).collect();
+        assert!(alone == beside && alone.lines().count() == reports, "{motor}: {alone}{both}");
+    }
 }

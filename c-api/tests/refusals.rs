@@ -1,6 +1,7 @@
 //! Wrong pointers, wrong memory, wrong models and calls out of order are refused by their codes, and change nothing.
 #![allow(
     clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     clippy::expect_used,
     clippy::float_cmp,
     clippy::indexing_slicing,
@@ -10,6 +11,9 @@
 )]
 
 #[allow(dead_code, reason = "other tests use the rest")]
+#[path = "support/drive.rs"]
+mod drive;
+#[allow(dead_code, reason = "other tests use the rest")]
 mod support;
 
 use core::ffi::{CStr, c_char};
@@ -18,6 +22,7 @@ use core::ptr::{null, null_mut};
 
 use bearing_watch_c::*;
 
+use drive::{raw, raw_for_c};
 use support::{FILE, Memory};
 
 const SAMPLE: [f32; 3] = [0.5, 20.0, 0.1];
@@ -40,28 +45,45 @@ fn text(text: *const c_char) -> &'static str {
 /// Takes samples that move; returns the last code.
 fn collect(state: *mut BwState, samples: usize) -> BwCode {
     let sample = |k: usize| [0.3 * (k % 7) as f32, 10.0 * (k % 5) as f32, 0.1 * (k % 3) as f32];
-    let collect = |k| call!(bw_collect(state, sample(k).as_ptr(), 3, 0));
-    (0..samples).fold(None, |_, k| Some(collect(k))).expect("a sample")
+    (0..samples).fold(None, |_, k| Some(support::collect(state, &sample(k), 0))).expect("a sample")
+}
+
+/// Samples that the detector took, and the samples and segments that were lost.
+fn status(state: *mut BwState) -> (u32, u32, u32) {
+    let mut status = MaybeUninit::<BwStatus>::uninit();
+    assert_eq!(call!(bw_status(state, status.as_mut_ptr())), BwCode::Ok);
+    let BwStatus { samples, lost_samples, lost_segments, failed: 0, alignment: BwAlignment::Unknown } =
+        call!(status.assume_init())
+    else {
+        panic!("a fault")
+    };
+    (samples, lost_samples, lost_segments)
 }
 
 /// What every function says to this state.
 fn all(state: *mut BwState) -> Vec<BwCode> {
-    let (mut values, mut count, mut pending) = ([0.0; 32], 0, 0);
+    let (mut values, mut count, raw) = ([0.0; 32], 0, raw_for_c(&raw(0)));
     let (mut report, mut alarm, mut info) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
+    let (mut status, mut faults) = (MaybeUninit::uninit(), MaybeUninit::uninit());
     let (mut name, mut bytes) = ([0; 17], [0; 256]);
     call!(vec![
-        bw_collect(state, SAMPLE.as_ptr(), 3, 0),
-        bw_step(state, SAMPLE.as_ptr(), 3, 0),
+        bw_sample(state, SAMPLE.as_ptr(), 3, 0),
+        bw_sample_raw(state, &raw, null(), 0),
+        bw_check_wiring(state, &raw, 0.0, null_mut()),
+        bw_collect(state),
+        bw_collect_recorded(state, null_mut()),
         bw_restart(state),
-        bw_discard(state, null_mut()),
-        bw_pending(state, &raw mut pending),
-        bw_advance(state),
-        bw_conclude(state),
-        bw_adopt(state),
+        bw_advance(state, report.as_mut_ptr(), alarm.as_mut_ptr()),
+        bw_clock(state, 0),
+        bw_limit_liveness(state, 1.0, 2.0, 3.0),
+        bw_limit_silence(state, 1, 2.0),
+        bw_status(state, status.as_mut_ptr()),
+        bw_faults(state, faults.as_mut_ptr()),
+        bw_clear_faults(state),
         bw_report(state, report.as_mut_ptr()),
         bw_values(state, 0, values.as_mut_ptr(), values.len(), &raw mut count),
         bw_alarm(state, alarm.as_mut_ptr()),
-        bw_end_run(state),
+        bw_end_run(state, bytes.as_mut_ptr(), bytes.len(), &raw mut count),
         bw_deny(state),
         bw_saved_size(state, &raw mut count),
         bw_save(state, bytes.as_mut_ptr(), bytes.len()),
@@ -72,6 +94,7 @@ fn all(state: *mut BwState) -> Vec<BwCode> {
         bw_check_channel(state, 0, c"current_a".as_ptr(), c"A".as_ptr()),
         bw_check_interval(state, 0.002),
         bw_check_park(state, 1),
+        bw_stop(state),
     ])
 }
 
@@ -98,21 +121,22 @@ fn memory_that_is_wrong_is_refused() {
     let (own, model, length) = (memory.address(), FILE.as_ptr(), FILE.len());
     let mut state = null_mut();
     let place = &raw mut state;
-    call!({
-        assert_eq!(bw_init(null_mut(), BW_STATE_SIZE, model, length, place), BwCode::Null);
-        assert_eq!(bw_init(own, BW_STATE_SIZE, null(), length, place), BwCode::Null);
-        assert_eq!(bw_init(own, BW_STATE_SIZE, model, length, null_mut()), BwCode::Null);
-        for byte in 1..BW_STATE_ALIGN {
-            let memory = own.wrapping_byte_add(byte);
-            assert_eq!(bw_init(memory, BW_STATE_SIZE, model, length, place), BwCode::Misaligned, "{byte}");
-        }
-        for size in [0, 1, bw_state_size() - 1] {
-            assert_eq!(bw_init(own, size, model, length, place), BwCode::MemoryTooSmall, "{size}");
-        }
-        assert!((0.9..=1.0).contains(&(bw_state_size() as f64 / BW_STATE_SIZE as f64)), "{}", bw_state_size());
-        assert!(state.is_null());
-        assert_eq!(bw_init(own, BW_STATE_SIZE, model, length, place), BwCode::Ok);
-    });
+    let start = |memory, size, model, place| call!(bw_start(memory, size, model, length, null_mut(), place));
+    assert_eq!(start(null_mut(), BW_STATE_SIZE, model, place), BwCode::Null);
+    assert_eq!(start(own, BW_STATE_SIZE, null(), place), BwCode::Null);
+    assert_eq!(start(own, BW_STATE_SIZE, model, null_mut()), BwCode::Null);
+    for byte in 1..BW_STATE_ALIGN {
+        assert_eq!(start(own.wrapping_byte_add(byte), BW_STATE_SIZE, model, place), BwCode::Misaligned, "{byte}");
+    }
+    for size in [0, 1, bw_state_size() - 1] {
+        assert_eq!(start(own, size, model, place), BwCode::MemoryTooSmall, "{size}");
+    }
+    assert!((0.9..=1.0).contains(&(bw_state_size() as f64 / BW_STATE_SIZE as f64)), "{}", bw_state_size());
+    assert!(state.is_null());
+    // What is no front end.
+    let wrong = own.wrapping_byte_add(8).cast();
+    assert_eq!(call!(bw_start(own, BW_STATE_SIZE, model, length, wrong, place)), BwCode::NotInitialised);
+    assert_eq!(start(own, BW_STATE_SIZE, model, place), BwCode::Ok);
     assert_eq!(state.cast(), own);
 }
 
@@ -135,12 +159,20 @@ fn models_that_are_wrong_are_refused_and_change_nothing() {
     assert_eq!(memory.state(&changed(6, 1)), Err(BwCode::ModelValue), "header flags");
     assert_eq!(memory.state(&changed(100, !FILE[100])), Err(BwCode::ModelChecksum));
     assert_eq!(memory.state(&changed(FILE.len() - 1, !FILE[FILE.len() - 1])), Err(BwCode::ModelChecksum));
-    let mut pending = 0;
-    assert_eq!(call!(bw_pending(state, &raw mut pending)), BwCode::Ok);
-    assert_eq!(pending, 10, "the detector goes on");
-    assert_eq!(memory.state(&[FILE, &[0xFF; 300]].concat()), Ok(state), "the erased rest of a flash sector");
-    assert_eq!(call!(bw_pending(state, &raw mut pending)), BwCode::Ok);
-    assert_eq!(pending, 0, "initialised again");
+    assert_eq!(memory.state(FILE), Err(BwCode::Busy), "it runs");
+    assert_eq!(status(state).0, 10, "and goes on");
+    let erased = [FILE, &[0xFF; 300]].concat();
+    assert_eq!(memory.again(&erased), Ok(state), "the erased rest of a flash sector");
+    assert_eq!(status(state).0, 0, "started again");
+}
+
+#[test]
+fn behind_a_stop_every_function_refuses_the_state() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    assert_eq!(call!(bw_stop(state)), BwCode::Ok);
+    assert!(all(state).iter().all(|code| *code == BwCode::NotInitialised));
+    assert_eq!(memory.state(FILE), Ok(state));
 }
 
 #[test]
@@ -192,38 +224,19 @@ fn crc(bytes: &[u8]) -> u32 {
 fn samples_that_are_wrong_are_refused() {
     let mut memory = Memory::new();
     let state = memory.state(FILE).expect("good model");
-    let (values, mut pending) = (SAMPLE.as_ptr(), 0);
+    let (values, raw, mut faults) = (SAMPLE.as_ptr(), raw_for_c(&raw(0)), MaybeUninit::uninit());
     call!({
-        for take in [bw_collect, bw_step] {
-            assert_eq!(take(state, null(), 3, 0), BwCode::Null);
-            assert_eq!(take(state, values.wrapping_byte_add(2), 2, 0), BwCode::Misaligned);
-            assert_eq!(take(state, values, 2, 0), BwCode::WrongChannelCount);
-            assert_eq!(take(state, [0.0; 4].as_ptr(), 4, 0), BwCode::WrongChannelCount);
-        }
-        assert_eq!(bw_pending(state, &raw mut pending), BwCode::Ok);
+        assert_eq!(bw_sample(state, null(), 3, 0), BwCode::Null);
+        assert_eq!(bw_sample(state, values.wrapping_byte_add(2), 3, 0), BwCode::Misaligned);
+        assert_eq!(bw_sample(state, values, 2, 0), BwCode::WrongChannelCount);
+        assert_eq!(bw_sample(state, [0.0; 4].as_ptr(), 4, 0), BwCode::WrongChannelCount);
+        // A state without a front end.
+        assert_eq!(bw_sample_raw(state, &raw, null(), 0), BwCode::OutOfRange);
+        assert_eq!(bw_faults(state, faults.as_mut_ptr()), BwCode::OutOfRange);
+        assert_eq!(bw_collect(state), BwCode::Ok, "nothing waits");
+        assert_eq!(bw_sample(state, values, 3, 0), BwCode::Collect);
     });
-    assert_eq!(pending, 0);
-}
-
-#[test]
-fn a_discarded_segment_closes_where_it_would_have_without_a_verdict() {
-    let mut memory = Memory::new();
-    let state = memory.state(FILE).expect("good model");
-    let mut report = MaybeUninit::<BwReport>::uninit();
-    assert_eq!(collect(state, SEGMENT / 4), BwCode::Ok);
-    let (mut pending, mut in_doubt) = (0, [7_u8; 2]);
-    assert_eq!(call!(bw_discard(state, in_doubt.as_mut_ptr())), BwCode::Ok);
-    assert_eq!(call!(bw_pending(state, &raw mut pending)), BwCode::Ok);
-    assert_eq!(collect(state, SEGMENT / 2), BwCode::Ok);
-    assert_eq!(call!(bw_discard(state, in_doubt.as_mut_ptr().wrapping_add(1))), BwCode::Ok);
-    assert_eq!((pending, in_doubt), (SEGMENT as u32 / 4, [1, 0]));
-    assert_eq!(collect(state, SEGMENT - SEGMENT / 4 - SEGMENT / 2), BwCode::Segment);
-    call!({
-        assert_eq!(bw_conclude(state), BwCode::Report);
-        assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::Ok);
-        let report = report.assume_init();
-        assert_eq!((report.verdict, report.reason), (BwVerdict::Undetermined, BwReason::ShortSegment));
-    });
+    assert_eq!(status(state), (0, 0, 0));
 }
 
 #[test]
@@ -232,29 +245,25 @@ fn calls_out_of_order_are_harmless() {
     let state = memory.state(FILE).expect("good model");
     let (mut report, mut alarm) = (MaybeUninit::<BwReport>::uninit(), MaybeUninit::<BwAlarm>::uninit());
     let (mut values, mut count) = ([0.0; 8], 0_usize);
+    let advance = || call!(bw_advance(state, null_mut(), null_mut()));
     call!({
-        assert_eq!([bw_advance(state), bw_conclude(state)], [BwCode::Idle; 2], "nothing to solve");
-        assert_eq!(bw_adopt(state), BwCode::NoReport);
+        assert_eq!(advance(), BwCode::Idle, "nothing to solve");
         assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::NoReport);
         assert_eq!(bw_values(state, 0, values.as_mut_ptr(), 8, &raw mut count), BwCode::NoReport);
-        assert_eq!(bw_end_run(state), BwCode::Ok);
+        assert_eq!(bw_end_run(state, null_mut(), 0, null_mut()), BwCode::Ok);
     });
     assert_eq!(collect(state, SEGMENT), BwCode::Segment);
-    assert_eq!(collect(state, SEGMENT), BwCode::SegmentLost, "the first one still waits");
+    assert_eq!((collect(state, SEGMENT), status(state).2), (BwCode::Ok, 1), "the first one still waits");
     call!({
-        assert_eq!(bw_advance(state), BwCode::Ok);
+        assert_eq!(advance(), BwCode::Ok);
         assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::NoReport, "being solved");
-        assert_eq!(bw_adopt(state), BwCode::NoReport);
         assert_eq!(bw_restart(state), BwCode::Ok);
     });
     assert_eq!(collect(state, SEGMENT), BwCode::Segment, "the next one can wait while this one is solved");
+    let conclude = || support::conclude(state);
     call!({
-        assert_eq!(
-            [bw_conclude(state), bw_conclude(state), bw_conclude(state)],
-            [BwCode::Report, BwCode::Report, BwCode::Idle]
-        );
+        assert_eq!([conclude(), conclude(), conclude()], [BwCode::Report, BwCode::Report, BwCode::Idle]);
         assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::Ok);
-        assert_eq!(bw_adopt(state), BwCode::NotAdopted, "least squares has no use for it");
         let report = report.assume_init();
         assert_eq!((report.segment, report.lost_segments, report.lost_samples), (2, 1, 0));
         assert_eq!(bw_deny(state), BwCode::Idle, "no alarm stands");
@@ -263,7 +272,7 @@ fn calls_out_of_order_are_harmless() {
         assert_eq!(bw_alarm(state, alarm.as_mut_ptr()), BwCode::Ok);
         let alarm = alarm.assume_init();
         assert_eq!((alarm.raised, alarm.segments), (false, 0));
-        assert_eq!([bw_advance(state), bw_conclude(state)], [BwCode::Idle; 2]);
+        assert_eq!(advance(), BwCode::Idle);
     });
 }
 
@@ -272,12 +281,14 @@ fn results_need_a_good_place() {
     let mut memory = Memory::new();
     let state = memory.state(FILE).expect("good model");
     assert_eq!(collect(state, SEGMENT), BwCode::Segment);
-    let (mut values, mut count) = ([0.0_f32; 8], 0_usize);
+    let (mut values, mut count, wrong) = ([0.0_f32; 8], 0_usize, null_mut::<u8>().wrapping_add(1));
     let (at, number) = (values.as_mut_ptr(), &raw mut count);
     call!({
-        assert_eq!(bw_conclude(state), BwCode::Report);
+        assert_eq!(bw_advance(state, wrong.cast(), null_mut()), BwCode::Misaligned);
+        assert_eq!(bw_advance(state, null_mut(), wrong.cast()), BwCode::Misaligned);
+        assert_eq!(support::conclude(state), BwCode::Report);
         assert_eq!([bw_report(state, null_mut()), bw_alarm(state, null_mut())], [BwCode::Null; 2]);
-        assert_eq!([bw_info(state, null_mut()), bw_pending(state, null_mut())], [BwCode::Null; 2]);
+        assert_eq!([bw_info(state, null_mut()), bw_status(state, null_mut())], [BwCode::Null; 2]);
         assert_eq!(bw_values(state, 0, null_mut(), 8, number), BwCode::Null);
         assert_eq!(bw_values(state, 0, at, 8, null_mut()), BwCode::Null);
         assert_eq!(bw_values(state, 0, at.wrapping_byte_add(1), 1, number), BwCode::Misaligned);
@@ -332,7 +343,7 @@ fn a_saved_alarm_is_restored_and_other_bytes_are_refused() {
     let state = memory.state(FILE).expect("good model");
     for _ in 0..3 {
         assert_eq!(collect(state, SEGMENT), BwCode::Segment);
-        assert_eq!(call!(bw_conclude(state)), BwCode::Report);
+        assert_eq!(support::conclude(state), BwCode::Report);
     }
     let told = |state| {
         let mut alarm = MaybeUninit::<BwAlarm>::uninit();
@@ -353,7 +364,14 @@ fn a_saved_alarm_is_restored_and_other_bytes_are_refused() {
     assert_eq!(bytes[size..], [0xA5; 256][size..], "nothing is written beyond the size");
     let before = told(state);
     assert_eq!(before.0, 3);
-    let state = memory.state(FILE).expect("good model");
+    // The end of the run writes the same, but for the run that has ended.
+    call!({
+        let (place, mut length) = ([0; 256].as_mut_ptr(), 0);
+        assert_eq!(bw_end_run(state, place, size - 1, &raw mut length), BwCode::BufferTooSmall);
+        assert_eq!(bw_end_run(state, place, 256, null_mut()), BwCode::Null);
+        assert_eq!((bw_end_run(state, place, 256, &raw mut length), length), (BwCode::Ok, size));
+    });
+    let state = memory.again(FILE).expect("good model");
     assert_eq!(told(state).0, 0);
     call!({
         assert_eq!(bw_restore(state, null(), size), BwCode::Null);
@@ -374,7 +392,7 @@ fn a_saved_alarm_is_restored_and_other_bytes_are_refused() {
 fn codes_of_the_header() -> Vec<i32> {
     let header = include_str!("../include/bearing_watch.h");
     let number =
-        |line: &str| line.trim().strip_prefix("BW_CODE_")?.split_once(" = ")?.1.strip_suffix(',')?.parse().ok();
+        |line: &str| line.trim().strip_prefix("BW_CODE_")?.split_once(" = ")?.1.split_once(',')?.0.parse().ok();
     header.lines().filter_map(number).collect()
 }
 
@@ -402,8 +420,8 @@ fn the_library_tells_its_version_and_turns_counts_into_angles() {
 fn a_library_for_any_model_has_no_model_of_its_own() {
     let (mut memory, mut state) = (Memory::new(), null_mut());
     // SAFETY: the memory is there for the whole call.
-    let code = unsafe { bw_init_own(memory.address(), BW_STATE_SIZE, 0x1234, &raw mut state) };
+    let code = unsafe { bw_start_own(memory.address(), BW_STATE_SIZE, 0x1234, null_mut(), &raw mut state) };
     assert_eq!((code, state), (BwCode::ModelDoesNotFit, null_mut()));
     // SAFETY: NULL is refused.
-    assert_eq!(unsafe { bw_init_own(memory.address(), BW_STATE_SIZE, 0, null_mut()) }, BwCode::Null);
+    assert_eq!(unsafe { bw_start_own(memory.address(), BW_STATE_SIZE, 0, null_mut(), null_mut()) }, BwCode::Null);
 }

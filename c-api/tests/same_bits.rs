@@ -1,5 +1,4 @@
-//! Through the C functions the detector gives the bits of the Rust detector with its plan fixed when compiling: at
-//! once, deferred as a whole, and in steps.
+//! Through the C functions the detector gives the bits of the Rust detector with its plan fixed when compiling.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::expect_used,
@@ -27,42 +26,40 @@ mod standard_rig;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod support;
 
+use core::mem::MaybeUninit;
+
 use bearing_watch::plan::{Plan, Signals};
 use bearing_watch::{Alarm, Cause, Detector, Evidence, FrictionTerm, Model, Report, Verdict};
 use bearing_watch_c::{
-    BwAlarm, BwCode, BwReason, BwReport, BwState, BwValues, BwVerdict, bw_adopt, bw_advance, bw_alarm, bw_collect,
-    bw_conclude, bw_report, bw_step,
+    BwAlarm, BwCode, BwReason, BwReport, BwState, BwValues, BwVerdict, bw_advance, bw_alarm, bw_report,
 };
 
-use support::{Memory, bytes, channels, values};
+use support::{Memory, bytes, channels, collect, values};
 
-/// How a segment is solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
-    AtOnce,
-    Whole,
-    Steps,
-}
-
-/// Takes a sample; returns whether there is a new report.
-fn take(state: *mut BwState, way: Way, channels: &[f32], angle: u32) -> bool {
-    let (values, count) = (channels.as_ptr(), channels.len());
-    // SAFETY: the state is initialised, and the channels are there.
+/// Takes a sample; returns whether there is a new report, in one call for each step.
+fn take(state: *mut BwState, channels: &[f32], angle: u32) -> bool {
+    match collect(state, channels, angle) {
+        BwCode::Ok => return false,
+        code => assert_eq!(code, BwCode::Segment),
+    }
+    let (mut report, mut alarm) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+    // SAFETY: the state is initialised, and both places are writable.
+    let mut advance = || unsafe { bw_advance(state, report.as_mut_ptr(), alarm.as_mut_ptr()) };
+    let mut steps = 0;
+    let last = loop {
+        steps += 1;
+        match advance() {
+            BwCode::Ok => {}
+            code => break code,
+        }
+    };
+    assert!(last == BwCode::Report && steps > 5, "{last:?} {steps}");
+    // What the last step writes is what the functions give.
+    let (mut own, mut other) = (MaybeUninit::<BwReport>::uninit(), MaybeUninit::<BwAlarm>::uninit());
+    // SAFETY: both were written, and both are if the codes say so.
     unsafe {
-        if way == Way::AtOnce {
-            return bw_step(state, values, count, angle) == BwCode::Report;
-        }
-        match bw_collect(state, values, count, angle) {
-            BwCode::Ok => return false,
-            code => assert_eq!(code, BwCode::Segment),
-        }
-        if way == Way::Whole {
-            assert_eq!(bw_conclude(state), BwCode::Report);
-        } else {
-            let steps = (1..).take_while(|_| bw_advance(state) == BwCode::Ok).count();
-            assert!(steps > 5, "{steps}");
-        }
-        assert!(matches!(bw_adopt(state), BwCode::Ok | BwCode::NotAdopted));
+        assert_eq!([bw_report(state, own.as_mut_ptr()), bw_alarm(state, other.as_mut_ptr())], [BwCode::Ok; 2]);
+        assert_eq!((report.assume_init(), alarm.assume_init()), (own.assume_init(), other.assume_init()));
     }
     true
 }
@@ -135,23 +132,17 @@ fn same<P: Plan>(state: *mut BwState, report: &Report<P>, evidence: &Evidence<P>
     assert_eq!((alarm, own.score.to_bits()), (evidence.alarm(), evidence.score().to_bits()));
 }
 
-/// Every way over the same samples, beside the Rust detector; returns the number of reports.
+/// The same samples in C and in Rust; returns the number of reports.
 fn compare<P: Plan>(model: &Model<P>, samples: impl Iterator<Item = P::Sample>) -> usize {
-    let bytes = bytes(model);
-    let mut memories = [(); 3].map(|()| Memory::new());
-    let [first, second, third] = &mut memories;
-    let ways = [(Way::AtOnce, first), (Way::Whole, second), (Way::Steps, third)]
-        .map(|(way, memory)| (way, memory.state(&bytes).expect("a model that fits")));
+    let mut memory = Memory::new();
+    let state = memory.state(&bytes(model)).expect("a model that fits");
     let (mut detector, mut evidence, mut reports) = (Detector::new(model), Evidence::new(model), 0);
     for sample in samples {
         let report = detector.step(&sample);
-        for (way, state) in ways {
-            let own = take(state, way, &channels(model, &sample), sample.angle().bits());
-            assert_eq!(own, report.is_some());
-        }
+        assert_eq!(take(state, &channels(model, &sample), sample.angle().bits()), report.is_some());
         let Some(report) = report else { continue };
         evidence.observe(report.decision.as_ref());
-        ways.iter().for_each(|(_, state)| same(*state, &report, &evidence));
+        same(state, &report, &evidence);
         reports += 1;
     }
     reports
@@ -187,7 +178,7 @@ fn a_load_of_the_wrong_sign_has_a_reason_and_no_verdict() {
     for _ in 0..shaft::MODEL.constants().sampling.segment_samples {
         let motion = plant.motion();
         let sample = shaft::Motion { load_nm: -motion.load_nm, ..motion }.into();
-        reported = take(state, Way::AtOnce, &channels(&shaft::MODEL, &sample), sample.angle().bits());
+        reported = take(state, &channels(&shaft::MODEL, &sample), sample.angle().bits());
     }
     assert!(reported);
     let mut own = core::mem::MaybeUninit::<BwReport>::uninit();

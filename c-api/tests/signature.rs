@@ -60,7 +60,7 @@ fn what_a_key_has_signed_starts() {
     assert_eq!(verify(&bytes, &[[9; 32], *pair.pk], COUNTER), Ok(expected), "the second key");
     bytes.extend([0xFF; 300]);
     assert_eq!(verify(&bytes, &[*pair.pk], 0), Ok(expected), "a sector of flash");
-    assert!(memory.state(&bytes[..expected.model_length]).is_ok() && memory.state(&bytes).is_ok());
+    assert!(memory.state(&bytes[..expected.model_length]).is_ok() && memory.again(&bytes).is_ok());
 }
 
 #[test]

@@ -126,7 +126,7 @@ fn frames_are_those_of_the_core() {
         } else {
             assert_eq!(code, BwCode::Ok, "{number}");
         }
-        let code = call!(bw_step(state, first, count, angle));
+        let code = support::step(state, &values, angle);
         if let Some(found) = detector.step(&sample) {
             assert_eq!(code, BwCode::Report);
             evidence.observe(found.decision.as_ref());

@@ -173,8 +173,8 @@ impl Model {
     /// The model as a C header.
     fn to_c(&self) -> PyResult<String> {
         match &self.own.done {
-            Some(done) => done.training.c_header(),
-            None => self.own.file.c_header(),
+            Some(done) => done.training.c_header(None),
+            None => self.own.file.c_header(None),
         }
         .map_err(raised)
     }

@@ -130,6 +130,12 @@ impl<'m, 's, P: Plan> Detector<'m, P, &'s mut Segment<P>> {
         if self.take(sample) { self.replace(spare) } else { Exchange::Open }
     }
 
+    /// The place that it has, if another detector is to have it.
+    #[cfg(all(feature = "watch", target_has_atomic = "8"))]
+    pub(crate) fn into_place(self) -> &'s mut Segment<P> {
+        self.open
+    }
+
     /// Closes the segment and opens the next one in the spare place.
     #[inline(never)]
     fn replace(&mut self, spare: &mut Option<&'s mut Segment<P>>) -> Exchange<'s, P> {

@@ -80,6 +80,11 @@ pub struct Conclusion<'a, P: Plan> {
     pub alarm: Option<Alarm>,
     /// Whether no segment has had a verdict for too long.
     pub silence: Option<Silence>,
+    /// What the alarm is made of.
+    pub evidence: &'a Evidence<P>,
+    /// Whether this is the report of the last time, which has lost its verdict because a fault was found late; the alarm
+    /// is that without it.
+    pub withdrawn: bool,
 }
 
 impl<'m, P: Plan> Monitor<'m, P> {
@@ -280,8 +285,26 @@ impl<'m, P: Plan> Monitor<'m, P> {
         withdrawn
     }
 
+    /// As [`Monitor::withdraw`], of the report before a segment that is to be taken next.
+    #[cfg(all(feature = "watch", target_has_atomic = "8"))]
+    pub(crate) fn withdraw_before(&mut self, next: Option<&Segment<P>>) -> bool {
+        let doubted = next.is_some_and(|next| next.sequence.withdraws_that(self.sequence));
+        let withdrawn = doubted && self.work == Work::Withdrawable;
+        if withdrawn {
+            self.settle(true);
+        }
+        withdrawn
+    }
+
+    /// The report that was withdrawn; `None` if there is none any more.
+    #[cfg(all(feature = "watch", target_has_atomic = "8"))]
+    pub(crate) fn withdrawn(&self) -> Option<Conclusion<'_, P>> {
+        self.report().map(|_| Conclusion { withdrawn: true, ..self.conclusion() })
+    }
+
     fn conclusion(&self) -> Conclusion<'_, P> {
-        Conclusion { report: &self.report, alarm: self.evidence.alarm(), silence: self.evidence.silence() }
+        let (report, evidence) = (&self.report, &self.evidence);
+        Conclusion { report, alarm: evidence.alarm(), silence: evidence.silence(), evidence, withdrawn: false }
     }
 
     /// Whether [`Monitor::advance`] has something to solve.

@@ -79,7 +79,7 @@ impl<P: Plan> Segment<P> {
     }
 
     /// Clears the place for this model.
-    pub(super) fn clear(&mut self, model: &Model<P>) {
+    pub(crate) fn clear(&mut self, model: &Model<P>) {
         if self.model == model.id() {
             self.empty(model);
         } else {

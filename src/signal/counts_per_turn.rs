@@ -37,16 +37,70 @@ impl EncoderCounts {
         }
     }
 
-    /// The angle (1) of a counter that counts on over turns in both directions, or is reset at each turn.
+    /// The angle (1) of a counter that counts on over turns in both directions, or is reset at each turn. A counter
+    /// that may reach its end, 2³¹ counts, passes [`TurnCounter::within`] before.
     #[inline]
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "an angle wraps at one turn")]
     pub const fn angle(self, counts: i32) -> Angle {
-        let within = match counts.checked_rem_euclid(self.counts.cast_signed()) {
-            Some(within) => within.cast_unsigned(),
-            None => 0,
-        };
+        let within = within(counts, self).cast_unsigned();
         Angle::from_bits(((within as u64).wrapping_mul(self.scale) >> 16) as u32)
+    }
+}
+
+/// A counter of 32 bits that counts on over turns, without an end: it wraps at 2³² counts, which are no whole number of
+/// turns, and [`EncoderCounts::angle`] of it would jump there. The counts within the turn are summed from differences,
+/// and are those of a counter that is reset at each turn:
+///
+/// ```text
+/// n(k) = (n(k−1) + c(k) − c(k−1)) mod N,   c(k) − c(k−1) modulo 2³², nearest to zero              (2)
+/// ```
+///
+/// ```
+/// use bearing_watch::{EncoderCounts, TurnCounter};
+/// const ENCODER: EncoderCounts = EncoderCounts::new(8000).unwrap();
+/// let mut counter = TurnCounter::new(ENCODER);
+/// let last = counter.within(i32::MAX);
+/// assert_eq!(counter.within(i32::MIN), last + 1);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TurnCounter {
+    turn: EncoderCounts,
+    last: i32,
+    within: i32,
+}
+
+impl TurnCounter {
+    /// Not read yet.
+    #[must_use]
+    pub const fn new(turn: EncoderCounts) -> Self {
+        Self { turn, last: 0, within: 0 }
+    }
+
+    /// Behind this reading, which had so many counts within the turn.
+    #[must_use]
+    pub const fn after(turn: EncoderCounts, last: i32, within: i32) -> Self {
+        Self { turn, last, within }
+    }
+
+    /// Takes a reading of the counter; returns the counts within the turn, for the reading of a drive or for
+    /// [`EncoderCounts::angle`]. Between two readings lie less than 2³¹ counts.
+    pub const fn within(&mut self, counts: i32) -> i32 {
+        // Both parts are below 2²⁴, so that their sum does not wrap, and (2) is exact.
+        let step = within(counts.wrapping_sub(self.last), self.turn);
+        self.within = within(within(self.within, self.turn).wrapping_add(step), self.turn);
+        self.last = counts;
+        self.within
+    }
+}
+
+/// Counts modulo those of a turn.
+#[inline]
+const fn within(counts: i32, turn: EncoderCounts) -> i32 {
+    match counts.checked_rem_euclid(turn.counts.cast_signed()) {
+        Some(within) => within,
+        None => 0,
     }
 }
 
@@ -78,6 +132,20 @@ mod tests {
             for counts in [0, 1, 2, (1 << bits) - 1, 12_345 & ((1 << bits) - 1)] {
                 let off = encoder.angle(counts).bits() - Angle::from_counts(counts.cast_unsigned(), bits).bits();
                 assert!(off <= 256, "{counts} of 2^{bits}: {off}");
+            }
+        }
+    }
+
+    /// Both ways over both ends of the counter, in small and in large steps.
+    #[test]
+    fn a_counter_has_no_end() {
+        for turn in [1, 3, 8000, EncoderCounts::MOST] {
+            let mut counter = TurnCounter::new(EncoderCounts::new(turn).unwrap());
+            let mut exact = 0_i64;
+            for step in [7, 2_000_000_000, 147_483_600, 100, -250, i32::MIN + 1, -77, i32::MAX, i32::MAX, 5] {
+                exact += i64::from(step);
+                let within = counter.within(exact as i32);
+                assert_eq!(i64::from(within), exact.rem_euclid(i64::from(turn)), "{exact} of {turn}");
             }
         }
     }

@@ -2,7 +2,8 @@
 
 use core::sync::atomic::Ordering;
 
-use super::link::{Link, Place, Queued, count};
+use super::link::{Link, Queued, count};
+use super::places::Place;
 use super::slot::take;
 use crate::detector::{Detector, Exchange};
 use crate::known_answers::known_answer_test;
@@ -27,17 +28,23 @@ impl<P: Plan> Collector<P> {
         Self { detector: Detector::with_place(model, place), spare: None, finished: None, tested: None }
     }
 
+    /// The places that it has.
+    pub(super) fn into_places(self) -> [Option<Place<P>>; 3] {
+        [Some(self.detector.into_place()), self.spare, self.finished]
+    }
+
     /// What the context of the collector computes otherwise than the host.
     pub(super) fn failed(&self) -> Option<ArithmeticFault> {
         self.tested.and_then(Result::err)
     }
 
-    /// Takes all samples of the queue; returns whether a segment has closed.
-    pub(super) fn run(&mut self, link: &Link<P>) -> bool {
+    /// Takes all samples of the queue, and shows each; returns whether a segment has closed.
+    pub(super) fn run(&mut self, link: &Link<P>, mut show: impl FnMut(&P::Sample, u16)) -> bool {
         let right = *self.tested.get_or_insert_with(known_answer_test);
         let mut closed = self.hand_over(link);
         while let Some(queued) = link.next() {
             if right.is_ok() {
+                show(&queued.sample, queued.missed);
                 closed |= self.take(link, &queued);
             }
         }

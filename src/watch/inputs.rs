@@ -1,9 +1,11 @@
 //! The half of the current loop: readings in, clean samples into the queue.
 
 use core::fmt;
+use core::sync::atomic::Ordering;
 
 use super::link::{Link, Queue, Queued, count};
-use crate::drive::{By, Factor, FrontEnd, FrontEndError};
+use super::source::Source;
+use crate::drive::FrontEndError;
 use crate::model::ModelError;
 use crate::plan::Plan;
 use crate::reason::ArithmeticFault;
@@ -16,8 +18,10 @@ pub(super) struct Inputs<P: Plan, F> {
     /// Samples that were lost since the last one of the queue, and whether one of them had a fault that was found late.
     missed: u16,
     found_late: bool,
-    /// Closed segments when the main loop was told the faults; none is told at first.
+    /// What was due when the main loop was told the faults; none is told at first.
     pub(super) told: Option<u32>,
+    /// Requests that the front end count from zero, as of then.
+    cleared: u32,
 }
 
 /// Why a [`Watch`](super::Watch) did not start.
@@ -57,7 +61,7 @@ impl core::error::Error for StartError {}
 
 impl<P: Plan, F> Inputs<P, F> {
     pub(super) const fn new(front_end: F) -> Self {
-        Self { front_end, kept: None, missed: 0, found_late: false, told: None }
+        Self { front_end, kept: None, missed: 0, found_late: false, told: None, cleared: 0 }
     }
 
     /// Drops the sample that was kept, and the record of those that were lost.
@@ -108,15 +112,18 @@ fn send<P: Plan>(kept: &mut Option<Queued<P>>, queue: &mut Option<&mut Queue<P>>
     }
 }
 
-impl<P: Plan, const FURTHER: usize, const FACTOR: usize> Inputs<P, FrontEnd<FURTHER, FACTOR>>
-where
-    By<FACTOR>: Factor,
-{
-    /// Tells the main loop the faults, once a segment.
+impl<P: Plan, F: Source> Inputs<P, F> {
+    /// Tells the main loop the faults, once a segment, and once they are cleared.
     #[cold]
     #[inline(never)]
-    pub(super) fn tell(&mut self, link: &Link<P>, closed: u32) {
-        link.faults.with(|faults| *faults = self.front_end.faults());
-        self.told = Some(closed);
+    pub(super) fn tell(&mut self, link: &Link<P>, due: u32) {
+        let cleared = link.counters.cleared.load(Ordering::Relaxed);
+        if core::mem::replace(&mut self.cleared, cleared) != cleared {
+            self.front_end.clear_faults();
+        }
+        if let Some(now) = self.front_end.faults() {
+            link.faults.with(|faults| *faults = now);
+        }
+        self.told = Some(due);
     }
 }

@@ -5,17 +5,14 @@ use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use heapless::Deque;
 use spin::mutex::SpinMutex as TryLock;
 
+use super::places::Place;
 use super::slot::Slot;
-use crate::detector::Segment;
 use crate::drive::{Alignment, Faults};
 use crate::plan::Plan;
 
 /// Clean samples that wait for [`Watch::collect`](super::Watch::collect) at most: it may be late by this many of their
 /// intervals.
 pub const QUEUE: usize = 4;
-
-/// Room for a segment.
-pub(super) type Place<P> = &'static mut Segment<P>;
 
 /// Clean samples on their way from the current loop.
 pub(super) type Queue<P> = Deque<Queued<P>, QUEUE>;
@@ -44,6 +41,8 @@ pub(super) struct Link<P: Plan> {
 pub(super) struct Counters {
     /// Samples that the detector took.
     pub(super) rows: AtomicU32,
+    /// Requests that the front end count from zero.
+    pub(super) cleared: AtomicU32,
     /// Readings that a check of the wiring took, with wrap-around.
     pub(super) checked: AtomicU32,
     pub(super) lost_samples: AtomicU32,
@@ -65,6 +64,7 @@ impl<P: Plan> Link<P> {
             faults: Slot::new(),
             counters: Counters {
                 rows: AtomicU32::new(0),
+                cleared: AtomicU32::new(0),
                 checked: AtomicU32::new(0),
                 lost_samples: AtomicU32::new(0),
                 lost_segments: AtomicU32::new(0),
@@ -73,6 +73,22 @@ impl<P: Plan> Link<P> {
                 alignment: AtomicU8::new(0),
             },
         }
+    }
+
+    /// Forgets what was before a start.
+    pub(super) fn restart(&self, spare: Place<P>, alignment: Alignment) {
+        if let Some(mut queue) = self.queue.try_lock() {
+            queue.clear();
+        }
+        if let Some(mut place) = self.spare.try_lock() {
+            *place = Some(spare);
+        }
+        let Counters { rows, cleared, checked, lost_samples, lost_segments, closed, doubted, alignment: _ } =
+            &self.counters;
+        for counter in [rows, cleared, checked, lost_samples, lost_segments, closed, doubted] {
+            counter.store(0, Ordering::Relaxed);
+        }
+        self.tell_alignment(alignment);
     }
 
     /// Says what is known of the wiring.
@@ -89,6 +105,14 @@ impl<P: Plan> Link<P> {
     /// The oldest sample of the queue. A function of its own, so that the lock is free again when it returns.
     pub(super) fn next(&self) -> Option<Queued<P>> {
         self.queue.try_lock()?.pop_front()
+    }
+}
+
+impl Counters {
+    /// Changes where the current loop is to tell its faults: with each closed segment, and if they are to be cleared.
+    #[inline(always)]
+    pub(super) fn due(&self) -> u32 {
+        self.closed.load(Ordering::Relaxed).wrapping_add(self.cleared.load(Ordering::Relaxed))
     }
 }
 

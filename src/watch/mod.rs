@@ -16,19 +16,22 @@ mod clock;
 mod collector;
 mod inputs;
 mod link;
+mod places;
 mod slot;
+mod source;
 #[cfg(test)]
 mod tests;
 
 pub use clock::Lapse;
 pub use inputs::StartError;
 pub use link::QUEUE;
+pub use source::{Sampled, Source};
 
 use core::fmt;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use crate::alarm::StateError;
-use crate::detector::{Conclusion, Monitor, Segment};
+use crate::detector::{Conclusion, Monitor};
 use crate::drive::{Alignment, Faults};
 use crate::model::Model;
 use crate::plan::Plan;
@@ -37,7 +40,8 @@ use crate::report::Verdict;
 use crate::signal::{Liveness, LivenessLimits, RateCheck};
 use collector::Collector;
 use inputs::Inputs;
-use link::{Counters, Link, Place};
+use link::{Counters, Link};
+use places::{Place, Places};
 use slot::{Slot, take};
 
 /// Front end, detector and monitor of one drive. `train --rust` declares it as `WATCH`, with `F` the front end, or `()`
@@ -65,7 +69,7 @@ use slot::{Slot, take};
 pub struct Watch<P: Plan, F: 'static = ()> {
     inputs: Slot<Inputs<P, F>>,
     link: Link<P>,
-    places: [Slot<Segment<P>>; 2],
+    places: Places<P>,
     collector: Slot<Collector<P>>,
     main: Slot<Main<P>>,
 }
@@ -83,8 +87,30 @@ struct Main<P: Plan> {
     verdicts: u32,
     /// Readings that the check of the wiring had when the clock was read last.
     checked: u32,
+    /// Whether a report that was given before is withdrawn, and nobody was told.
+    withdrawn: bool,
+    /// A closed segment that is to be solved next.
+    waiting: Option<Place<P>>,
     /// A place that the interrupt did not get yet.
     returned: Option<Place<P>>,
+}
+
+impl<P: Plan> Main<P> {
+    fn new(model: &'static Model<P>) -> Self {
+        let sampling = &model.constants().sampling;
+        Self {
+            monitor: Monitor::new(model),
+            rate: RateCheck::of_milliseconds(sampling.interval_s),
+            right_rate: true,
+            on_trial: false,
+            liveness: Liveness::new(LivenessLimits::of_segments(sampling.segment_s())),
+            verdicts: 0,
+            checked: 0,
+            withdrawn: false,
+            waiting: None,
+            returned: None,
+        }
+    }
 }
 
 /// What a firmware can tell beside verdicts and alarms.
@@ -112,34 +138,10 @@ impl<P: Plan, F> Watch<P, F> {
         Self {
             inputs: Slot::new(),
             link: Link::new(),
-            places: [const { Slot::new() }; 2],
+            places: Places::new(),
             collector: Slot::new(),
             main: Slot::new(),
         }
-    }
-
-    /// Fills the parts of the two lower contexts.
-    fn start_lower(&'static self, model: &'static Model<P>) -> Result<(), StartError> {
-        let [first, second] = &self.places;
-        let clear = || Segment::new(model);
-        let first = first.place(clear).ok_or(StartError::Started)?;
-        let second = second.place(clear).ok_or(StartError::Started)?;
-        *self.link.spare.try_lock().ok_or(StartError::Started)? = Some(second);
-        let sampling = &model.constants().sampling;
-        let rate = RateCheck::of_milliseconds(sampling.interval_s);
-        let liveness = Liveness::new(LivenessLimits::of_segments(sampling.segment_s()));
-        let main = || Main {
-            monitor: Monitor::new(model),
-            rate,
-            right_rate: true,
-            on_trial: false,
-            liveness,
-            verdicts: 0,
-            checked: 0,
-            returned: None,
-        };
-        let filled = self.main.fill(main) && self.collector.fill(|| Collector::new(model, first));
-        if filled { Ok(()) } else { Err(StartError::Started) }
     }
 
     /// Takes the samples that wait, at a lower priority than the current loop, or behind [`Watch::sample`] in the same
@@ -148,23 +150,38 @@ impl<P: Plan, F> Watch<P, F> {
     /// instructions: an interrupt has settings of the processor of its own. If it fails, no segment has a verdict, and
     /// [`Status::failed`] says why.
     pub fn collect(&self) -> bool {
-        let closed = self.collector.with(|collector| collector.run(&self.link));
+        self.collect_with(|_, _| ())
+    }
+
+    /// As [`Watch::collect`], and shows each sample that the detector takes, with the number of those that were lost
+    /// before it: for a recorder of the telemetry, or another use of clean samples.
+    pub fn collect_with(&self, show: impl FnMut(&P::Sample, u16)) -> bool {
+        let closed = self.collector.with(|collector| collector.run(&self.link, show));
         closed == Some(true)
     }
 
     /// One step of the main loop, of bounded cost: solves a closed segment, and gives its report and alarm to `tell` at
-    /// the end. Returns what `tell` returns.
+    /// the end. It also gives the last report again if that is withdrawn: [`Conclusion::withdrawn`]. Returns what `tell`
+    /// returns.
     pub fn advance<R>(&self, tell: impl FnOnce(Conclusion<'_, P>) -> R) -> Option<R> {
         self.main.with(|main| self.step(main, tell)).flatten()
     }
 
     fn step<R>(&self, main: &mut Main<P>, tell: impl FnOnce(Conclusion<'_, P>) -> R) -> Option<R> {
+        if !main.monitor.is_solving() && main.waiting.is_none() {
+            main.waiting = take(&self.link.closed);
+        }
         self.settle(main);
+        if core::mem::take(&mut main.withdrawn)
+            && let Some(now) = main.monitor.withdrawn()
+        {
+            return Some(tell(now));
+        }
         if let Some(place) = main.returned.take() {
             main.returned = self.give(place);
         }
         if !main.monitor.is_solving() {
-            let place = take(&self.link.closed)?;
+            let place = main.waiting.take()?;
             main.monitor.take_from(place);
             main.returned = self.give(place);
             return None;
@@ -187,7 +204,10 @@ impl<P: Plan, F> Watch<P, F> {
     /// Withdraws a report that a fault has put in doubt, and gives no verdict before the wiring is known.
     fn settle(&self, main: &mut Main<P>) {
         main.monitor.tell_alignment(self.link.alignment());
-        main.monitor.withdraw(self.link.counters.doubted.load(Ordering::Relaxed).wrapping_sub(1));
+        let doubted = self.link.counters.doubted.load(Ordering::Relaxed).wrapping_sub(1);
+        // The next segment says it too, if the main loop has missed the number.
+        let next = main.waiting.as_deref();
+        main.withdrawn |= main.monitor.withdraw(doubted) || main.monitor.withdraw_before(next);
     }
 
     /// Works on the monitor in the main loop: alarm, evidence, limits of silence. `None` before the start.
@@ -230,6 +250,20 @@ impl<P: Plan, F> Watch<P, F> {
         self.inputs.with(Inputs::restart);
         let cleared = self.link.queue.try_lock().map(|mut queue| queue.clear()).is_some();
         cleared && self.collector.with(|collector| collector.detector.restart()).is_some()
+    }
+
+    /// Starts afresh as after a repair: open and closed segment, report, alarm and scores. Call it in the main loop while
+    /// the interrupts are stopped. Returns `false` if another context is in a call: it is to be called again.
+    #[must_use = "it may not have started afresh"]
+    pub fn reset(&self) -> bool {
+        let reset = |main: &mut Main<P>| {
+            main.monitor.reset();
+            for place in [main.waiting.take(), take(&self.link.closed)].into_iter().flatten() {
+                // One of two places is open in the detector: the other one is here or there.
+                main.returned = self.give(place);
+            }
+        };
+        self.main.with(reset).is_some() && self.restart()
     }
 
     /// What was lost or refused.

@@ -1,36 +1,75 @@
 //! A value in static memory that one context at a time works on.
 
+use core::ops::{Deref, DerefMut};
+
 use spin::mutex::SpinMutex as TryLock;
-use static_cell::StaticCell;
+use spin::mutex::SpinMutexGuard as Guard;
 
 /// Empty until it is filled. All bytes of an empty one are zero.
-pub(super) struct Slot<T: 'static> {
-    memory: StaticCell<T>,
-    value: TryLock<Option<&'static mut T>>,
+pub(super) struct Slot<T>(TryLock<Content<T>>);
+
+/// What a slot contains. Its first byte says which it is, and is zero at first: an `Option` may choose another byte and
+/// another value, by which a static would take flash.
+#[repr(u8)]
+pub(super) enum Content<T> {
+    Empty = 0,
+    Full(T) = 1,
 }
+
+/// A slot that this context holds.
+pub(super) struct Held<'a, T>(Guard<'a, Content<T>>);
 
 impl<T> Slot<T> {
     pub(super) const fn new() -> Self {
-        Self { memory: StaticCell::new(), value: TryLock::new(None) }
+        Self(TryLock::new(Content::Empty))
     }
 
-    /// Makes the value in its place, without a lock around it; `None` if it was made before.
-    pub(super) fn place(&'static self, make: impl FnOnce() -> T) -> Option<&'static mut T> {
-        self.memory.try_init_with(make)
-    }
-
-    /// Makes the value in its place; `false` if it was made before.
-    pub(super) fn fill(&'static self, make: impl FnOnce() -> T) -> bool {
-        let Some(mut value) = self.value.try_lock() else { return false };
-        *value = self.place(make);
-        value.is_some()
+    /// Holds the slot; `None` if another context does.
+    #[inline(always)]
+    pub(super) fn hold(&self) -> Option<Held<'_, T>> {
+        self.0.try_lock().map(Held)
     }
 
     /// Works on the value; `None` if it is not there, or if another context works on it.
     #[inline(always)]
     pub(super) fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> Option<R> {
-        let mut value = self.value.try_lock()?;
-        value.as_deref_mut().map(work)
+        match &mut *self.hold()? {
+            Content::Full(value) => Some(work(value)),
+            Content::Empty => None,
+        }
+    }
+}
+
+impl<T> Content<T> {
+    /// Makes the value in its place.
+    // Out of line, so that none of the values takes stack while another is made.
+    #[inline(never)]
+    pub(super) fn fill(&mut self, make: impl FnOnce() -> T) {
+        *self = Self::Full(make());
+    }
+
+    /// Takes the value out.
+    pub(super) fn take(&mut self) -> Option<T> {
+        match core::mem::replace(self, Self::Empty) {
+            Self::Full(value) => Some(value),
+            Self::Empty => None,
+        }
+    }
+}
+
+impl<T> Deref for Held<'_, T> {
+    type Target = Content<T>;
+
+    #[inline(always)]
+    fn deref(&self) -> &Content<T> {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Held<'_, T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Content<T> {
+        &mut self.0
     }
 }
 

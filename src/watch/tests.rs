@@ -18,6 +18,7 @@ use crate::signal::{Angle, LivenessLimits, Park};
 use crate::tests::{Drive, MODEL, Sample, samples};
 
 mod pauses;
+mod restarts;
 
 fn started() -> &'static Watch<Drive> {
     let watch: &'static Watch<Drive> = Box::leak(Box::default());

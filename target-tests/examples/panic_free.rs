@@ -88,7 +88,9 @@ fn front_end() {
     opaque(Angle::radians(Angle::plus(Angle::times(opaque(angle), opaque(6)), opaque(other))));
     opaque(Angle::since(opaque(angle), opaque(other)));
     if let Some(turn) = EncoderCounts::new(opaque(8000)) {
-        opaque(EncoderCounts::angle(turn, opaque(-5)));
+        let mut counter = opaque(TurnCounter::new(turn));
+        counter = opaque(TurnCounter::after(turn, 5, TurnCounter::within(&mut counter, opaque(7))));
+        opaque(EncoderCounts::angle(turn, TurnCounter::within(&mut counter, opaque(-5))));
     }
     let electrical = opaque(Angle::sin_cos(opaque(angle)));
 

@@ -6,10 +6,10 @@ use core::ptr::{null, null_mut};
 use std::cell::RefCell;
 
 use bearing_watch_c::{
-    BW_MAX_CHANNELS, BW_STATE_SIZE, BwAlarm, BwCode, BwInfo, BwReport, BwState, bw_adopt, bw_advance, bw_alarm,
-    bw_angle, bw_check_channel, bw_check_interval, bw_check_park, bw_code_name, bw_collect, bw_conclude, bw_discard,
-    bw_end_run, bw_error_text, bw_info, bw_init, bw_label, bw_pending, bw_reason_name, bw_report, bw_reset, bw_restart,
-    bw_restore, bw_save, bw_saved_size, bw_state_size, bw_step, bw_values, bw_verdict_name,
+    BW_MAX_CHANNELS, BW_STATE_SIZE, BwAlarm, BwCode, BwInfo, BwReport, BwState, BwStatus, bw_advance, bw_alarm,
+    bw_angle, bw_check_channel, bw_check_interval, bw_check_park, bw_clock, bw_code_name, bw_collect, bw_end_run,
+    bw_error_text, bw_info, bw_label, bw_reason_name, bw_report, bw_reset, bw_restart, bw_restore, bw_sample, bw_save,
+    bw_saved_size, bw_start, bw_state_size, bw_status, bw_stop, bw_values, bw_verdict_name,
 };
 
 use super::c_front_end::UNTOUCHED;
@@ -102,7 +102,13 @@ fn init(own: *mut c_void, state: &mut *mut BwState, input: &mut Input<'_>) -> Bw
     // A model is bytes: it is at any address.
     let length = if bytes.is_null() { length } else { length.min(model.len() - 1) };
     // SAFETY: every pointer is NULL, or that of as many bytes, or misaligned and refused.
-    let code = unsafe { bw_init(place, size, bytes, length, pointer) };
+    let code = unsafe {
+        // One that runs is refused, or stopped before.
+        if !input.byte().is_multiple_of(8) {
+            let _code = bw_stop(*state);
+        }
+        bw_start(place, size, bytes, length, null_mut(), pointer)
+    };
     if code == BwCode::Ok {
         assert!(!found.is_null() && found.cast() == own && size >= bw_state_size());
         *state = found;
@@ -124,9 +130,13 @@ fn sample(at: *mut BwState, input: &mut Input<'_>, numbers: &mut Numbers) -> BwC
         }
         let pointer = if how == 255 { either(input, values.as_mut_ptr()) } else { values.as_mut_ptr() };
         let angle = bw_angle(u32::from(k).wrapping_mul(48), u32::from(how));
-        let take = if how & 0x80 == 0 { bw_step } else { bw_collect };
         // SAFETY: the pointer is NULL, or that of as many numbers, or misaligned and refused.
-        code = unsafe { take(at, pointer, count, angle) };
+        code = unsafe { bw_sample(at, pointer, count, angle) };
+        // Now and then the lower interrupt is late.
+        if how & 0x80 == 0 || k % 8 == 0 {
+            // SAFETY: the state is NULL, one, or misaligned and refused.
+            let _code = unsafe { bw_collect(at) };
+        }
     }
     code
 }
@@ -139,7 +149,7 @@ fn channels(at: *mut BwState) -> Option<usize> {
 
 /// Functions with one argument besides the state.
 fn simple(at: *mut BwState, call: u8, input: &mut Input<'_>) -> BwCode {
-    let (mut pending, mut doubt) = (0, [0; 2]);
+    let mut status = core::mem::MaybeUninit::<BwStatus>::uninit();
     let (mut report, mut alarm) =
         (core::mem::MaybeUninit::<BwReport>::uninit(), core::mem::MaybeUninit::<BwAlarm>::uninit());
     let pointers = (either(input, report.as_mut_ptr()), either(input, alarm.as_mut_ptr()));
@@ -147,11 +157,10 @@ fn simple(at: *mut BwState, call: u8, input: &mut Input<'_>) -> BwCode {
     unsafe {
         match call {
             6 => bw_restart(at),
-            7 => bw_discard(at, either(input, doubt.as_mut_ptr())),
-            8 => bw_pending(at, either(input, &raw mut pending)),
-            9 | 10 => bw_advance(at),
-            11 | 12 => bw_conclude(at),
-            13 => bw_adopt(at),
+            7 => bw_stop(at),
+            8 => bw_status(at, either(input, status.as_mut_ptr())),
+            9..=12 => bw_advance(at, pointers.0, pointers.1),
+            13 => bw_clock(at, input.word()),
             14 | 15 => {
                 let code = bw_report(at, pointers.0);
                 if code == BwCode::Ok {
@@ -168,7 +177,7 @@ fn simple(at: *mut BwState, call: u8, input: &mut Input<'_>) -> BwCode {
                 }
                 code
             }
-            17 => bw_end_run(at),
+            17 => bw_end_run(at, null_mut(), 0, null_mut()),
             18 => bw_reset(at),
             _ => bw_check_park(at, i32::from(input.byte()) - 4),
         }

@@ -7,11 +7,11 @@ use core::ptr::null_mut;
 use std::cell::RefCell;
 
 use bearing_watch_c::{
-    BW_CALIBRATION_SIZE, BW_FRONT_END_SIZE, BW_MAX_FURTHER, BW_WIRING_SIZE, BwCalibration, BwCalibrationLimits,
-    BwCleanSample, BwCode, BwFrontEnd, BwFrontEndConstants, BwFrontEndFaults, BwPhaseSensor, BwRawSample,
-    BwRefusedOffset, BwWiring, BwWiringCheck, BwWiringLimits, bw_calibration_finish, bw_calibration_init,
-    bw_calibration_push, bw_check_front_end, bw_front_end_check_wiring, bw_front_end_clear_faults, bw_front_end_faults,
-    bw_front_end_init, bw_front_end_push, bw_wiring_conclude, bw_wiring_init,
+    BW_CALIBRATION_SIZE, BW_FRONT_END_SIZE, BW_MAX_FURTHER, BW_STATE_SIZE, BW_WIRING_SIZE, BwCalibration,
+    BwCalibrationLimits, BwCode, BwFrontEnd, BwFrontEndConstants, BwFrontEndFaults, BwPhaseSensor, BwRawSample,
+    BwRefusedOffset, BwState, BwWiring, BwWiringCheck, BwWiringLimits, bw_advance, bw_calibration_finish,
+    bw_calibration_init, bw_calibration_push, bw_check_wiring, bw_clear_faults, bw_collect, bw_faults,
+    bw_front_end_init, bw_sample_raw, bw_start, bw_stop, bw_wiring_conclude, bw_wiring_init,
 };
 
 use crate::input::Input;
@@ -19,6 +19,10 @@ use crate::memory;
 
 /// Words of the memory of an object, of which the last one is not given to the library.
 const WORDS: usize = BW_FRONT_END_SIZE / 8 + 1;
+/// The same of a state.
+const OF_STATE: usize = BW_STATE_SIZE / 8 + 1;
+/// A model of current, velocity and two further channels.
+static MODEL: &[u8] = include_bytes!("../../../examples/support/actuator/model.bwm");
 /// What is where nothing may be written.
 pub(super) const UNTOUCHED: u64 = 0x5AA5_5AA5_5AA5_5AA5;
 /// Calls of an attack, so that a long input is not a slow one.
@@ -29,6 +33,7 @@ type Memory = [[u64; WORDS]; 3];
 
 thread_local! {
     static MEMORY: RefCell<Box<Memory>> = RefCell::new(Box::new([[UNTOUCHED; WORDS]; 3]));
+    static STATE: RefCell<Vec<u64>> = RefCell::new(vec![UNTOUCHED; OF_STATE]);
 }
 
 /// A good pointer, NULL or a misaligned one.
@@ -43,14 +48,19 @@ pub(super) fn either<T>(input: &mut Input<'_>, good: *mut T) -> *mut T {
 /// Calls of any kind.
 pub fn attack(bytes: &[u8]) {
     MEMORY.with_borrow_mut(|memory| {
-        let mut input = Input::new(bytes);
-        memory::without_allocation(|| run(memory, &mut input));
-        assert!(memory.iter().all(|own| own[WORDS - 1] == UNTOUCHED), "memory beyond the objects");
+        STATE.with_borrow_mut(|state| {
+            let mut input = Input::new(bytes);
+            memory::without_allocation(|| run(memory, state, &mut input));
+            assert!(memory.iter().all(|own| own[WORDS - 1] == UNTOUCHED), "memory beyond the objects");
+            assert_eq!(state[OF_STATE - 1], UNTOUCHED, "memory beyond the state");
+        });
     });
 }
 
-fn run(memory: &mut Memory, input: &mut Input<'_>) {
+fn run(memory: &mut Memory, state: &mut [u64], input: &mut Input<'_>) {
     memory.iter_mut().for_each(|own| own[..WORDS - 1].fill(0));
+    state[..OF_STATE - 1].fill(0);
+    let state: *mut BwState = state.as_mut_ptr().cast();
     let objects: [*mut c_void; 3] = [0, 1, 2].map(|k: usize| memory[k].as_mut_ptr().cast());
     let mut constants = good();
     let mut number = 0;
@@ -59,20 +69,21 @@ fn run(memory: &mut Memory, input: &mut Input<'_>) {
             break;
         }
         match input.byte() % 16 {
-            0 => init_front_end(objects[0], &mut constants, input),
+            0 => init_front_end(objects[0], state, &mut constants, input),
             1 => init_calibration(objects[1], input),
             2 => init_wiring(objects[2], &mut constants, input),
             3 => constants = any(input),
-            4..=8 => push(objects[0].cast(), &mut number, input),
+            4..=8 => push(state, &mut number, input),
             9 | 10 => calibrate(objects[1].cast(), &mut constants, input),
-            11 | 12 => check_wiring((objects[0].cast(), objects[2].cast()), &mut number, input),
-            13 => faults(objects[0].cast(), input),
+            11 | 12 => check_wiring((state, objects[2].cast()), &mut number, input),
+            13 => faults(state, input),
             14 => conclude(objects[2].cast(), input),
             _ => {
                 // An object of one kind does not pass for another one.
-                let wrong: *mut BwFrontEnd = objects[1 + input.below(2)].cast();
-                // SAFETY: as many bytes as a front end has are readable there.
-                let code = unsafe { bw_front_end_clear_faults(wrong) };
+                let wrong: *mut BwWiringCheck = objects[input.below(2)].cast();
+                let mut wiring = MaybeUninit::<BwWiring>::uninit();
+                // SAFETY: as many bytes as a check has are readable there.
+                let code = unsafe { bw_wiring_conclude(wrong, wiring.as_mut_ptr()) };
                 assert_eq!(code, BwCode::NotInitialised);
             }
         }
@@ -139,16 +150,24 @@ pub(super) fn size(most: usize, input: &mut Input<'_>) -> usize {
     if input.byte().is_multiple_of(8) { usize::from(input.half()) % most } else { most }
 }
 
-fn init_front_end(own: *mut c_void, constants: &mut BwFrontEndConstants, input: &mut Input<'_>) {
-    let mut found: *mut BwFrontEnd = null_mut();
+/// Makes a front end, and starts a state with it.
+fn init_front_end(own: *mut c_void, state: *mut BwState, constants: &mut BwFrontEndConstants, input: &mut Input<'_>) {
+    let (mut found, mut started): (*mut BwFrontEnd, *mut BwState) = (null_mut(), null_mut());
     let size = size(BW_FRONT_END_SIZE, input);
     let (place, from) = (either(input, own.cast::<u64>()), either(input, constants));
-    // SAFETY: every pointer is NULL, or that of a place of its type, or misaligned and refused; no state is NULL.
-    let code = unsafe {
-        assert!((bw_check_front_end(null_mut(), from) as i32) < 0);
-        bw_front_end_init(place.cast(), size, from, either(input, &raw mut found))
-    };
-    assert_eq!(code == BwCode::Ok, found.cast() == own);
+    // SAFETY: every pointer is NULL, or that of a place of its type, or misaligned and refused. A state that has the
+    // memory of the front end has stopped.
+    unsafe {
+        let stopped = bw_stop(state);
+        assert!(matches!(stopped, BwCode::Ok | BwCode::NotInitialised), "{stopped:?}");
+        let code = bw_front_end_init(place.cast(), size, from, either(input, &raw mut found));
+        assert_eq!(code == BwCode::Ok, found.cast() == own);
+        if code == BwCode::Ok {
+            let (model, length) = (MODEL.as_ptr(), MODEL.len());
+            let code = bw_start(state.cast(), BW_STATE_SIZE, model, length, found, &raw mut started);
+            assert_eq!(code == BwCode::Ok, started == state, "{code:?}");
+        }
+    }
 }
 
 fn init_calibration(own: *mut c_void, input: &mut Input<'_>) {
@@ -213,21 +232,18 @@ pub(super) fn raw(number: &mut u32, input: &mut Input<'_>) -> BwRawSample {
     }
 }
 
-fn push(own: *mut BwFrontEnd, number: &mut u32, input: &mut Input<'_>) {
+fn push(own: *mut BwState, number: &mut u32, input: &mut Input<'_>) {
     let mut further: [f32; BW_MAX_FURTHER] = [input.number(); BW_MAX_FURTHER];
     let count = if input.byte().is_multiple_of(16) { input.below(BW_MAX_FURTHER) } else { 2 };
-    let mut clean = MaybeUninit::<BwCleanSample>::uninit();
     for _ in 0..=input.byte() % 32 {
         let mut raw = raw(number, input);
         let pointers = (either(input, own), either(input, &raw mut raw), either(input, &raw mut further[0]));
-        // SAFETY: every pointer is NULL, or that of a place of its type, or misaligned and refused; a result is there
-        // if the code says so.
+        // SAFETY: every pointer is NULL, or that of a place of its type, or misaligned and refused.
         unsafe {
-            let code = bw_front_end_push(pointers.0, pointers.1, pointers.2, count, either(input, clean.as_mut_ptr()));
-            if code == BwCode::CleanSample {
-                let clean = clean.assume_init();
-                assert!(!clean.current_a.is_infinite() && !clean.velocity_rad_s.is_infinite(), "{clean:?}");
+            if bw_sample_raw(pointers.0, pointers.1, pointers.2, count) == BwCode::Collect {
+                let _code = bw_collect(own);
             }
+            let _code = bw_advance(own, null_mut(), null_mut());
         }
     }
 }
@@ -249,28 +265,28 @@ fn calibrate(own: *mut BwCalibration, constants: &mut BwFrontEndConstants, input
     }
 }
 
-fn check_wiring((own, check): (*mut BwFrontEnd, *mut BwWiringCheck), number: &mut u32, input: &mut Input<'_>) {
+fn check_wiring((own, check): (*mut BwState, *mut BwWiringCheck), number: &mut u32, input: &mut Input<'_>) {
     let velocity_rad_s = input.number();
     for _ in 0..=input.byte() % 32 {
         let mut raw = raw(number, input);
         // SAFETY: every pointer is NULL, or that of a place of its type, or misaligned and refused.
         let _code = unsafe {
             let pointers = (either(input, own), either(input, &raw mut raw));
-            bw_front_end_check_wiring(pointers.0, pointers.1, velocity_rad_s, either(input, check))
+            bw_check_wiring(pointers.0, pointers.1, velocity_rad_s, either(input, check))
         };
     }
 }
 
-fn faults(own: *mut BwFrontEnd, input: &mut Input<'_>) {
+fn faults(own: *mut BwState, input: &mut Input<'_>) {
     let mut faults = MaybeUninit::<BwFrontEndFaults>::uninit();
     // SAFETY: every pointer is NULL, or that of a place of its type, or misaligned and refused.
     unsafe {
-        let code = bw_front_end_faults(either(input, own), either(input, faults.as_mut_ptr()));
+        let code = bw_faults(either(input, own), either(input, faults.as_mut_ptr()));
         if code == BwCode::Ok {
             assert!(!faults.assume_init().gain_error.is_infinite());
         }
         if input.byte().is_multiple_of(2) {
-            let _code = bw_front_end_clear_faults(own);
+            let _code = bw_clear_faults(own);
         }
     }
 }

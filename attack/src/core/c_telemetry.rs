@@ -9,9 +9,10 @@ use std::cell::RefCell;
 use bearing_watch::telemetry::Decoder;
 use bearing_watch_c::{
     BW_FRAME_SIZE, BW_MAX_CHANNELS, BW_MAX_FURTHER, BW_RAW_RECORDER_SIZE, BW_RECORDER_SIZE, BW_STATE_SIZE,
-    BW_TELEMETRY_SIZE, BwCode, BwInfo, BwRawRecorder, BwRecorder, BwState, BwTelemetry, bw_info, bw_init,
-    bw_raw_recorder_init, bw_raw_recorder_push, bw_recorder_init, bw_recorder_push, bw_recorder_skip, bw_step,
-    bw_telemetry_hello, bw_telemetry_init, bw_telemetry_raw, bw_telemetry_report, bw_telemetry_samples,
+    BW_TELEMETRY_SIZE, BwCode, BwInfo, BwRawRecorder, BwRecorder, BwState, BwTelemetry, bw_collect_recorded, bw_info,
+    bw_raw_recorder_init, bw_raw_recorder_push, bw_recorder_init, bw_recorder_push, bw_recorder_skip, bw_sample,
+    bw_start, bw_stop, bw_telemetry_hello, bw_telemetry_init, bw_telemetry_raw, bw_telemetry_report,
+    bw_telemetry_samples,
 };
 
 use super::c_front_end::{UNTOUCHED, either, raw, size};
@@ -84,7 +85,9 @@ fn state(memory: &mut [u64], input: &mut Input<'_>) -> (*mut BwState, usize) {
     let mut info = MaybeUninit::<BwInfo>::uninit();
     // SAFETY: memory, model and the place of the result are there; a result is there if the code says so.
     unsafe {
-        let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, model.as_ptr(), model.len(), &raw mut state);
+        let _stopped = bw_stop(memory.as_mut_ptr().cast());
+        let (place, first, none) = (memory.as_mut_ptr().cast(), model.as_ptr(), null_mut());
+        let code = bw_start(place, BW_STATE_SIZE, first, model.len(), none, &raw mut state);
         // A model of other sizes: every call finds no state.
         if code != BwCode::Ok || bw_info(state, info.as_mut_ptr()) != BwCode::Ok {
             return (null_mut(), 0);
@@ -135,7 +138,8 @@ fn push((own, state): (*mut BwRecorder, *mut BwState), channels: usize, numbers:
         let first = either(input, &raw mut values[0]);
         // SAFETY: every pointer is NULL, or that of a place of its type, or misaligned and refused.
         unsafe {
-            let _codes = [bw_recorder_push(own, first, count, 7), bw_step(state, first, count, 7)];
+            let _codes = [bw_recorder_push(own, first, count, 7), bw_sample(state, first, count, 7)];
+            let _code = bw_collect_recorded(state, own);
         }
     }
 }

@@ -22,7 +22,7 @@ static void sample() {  // in the interrupt of the timer
   now.velocity_ref_rad_s = channel_value(A1, BW_MODEL_CHANNEL_VELOCITY_REF_RAD_S);
   now.load_torque_nm = channel_value(A2, BW_MODEL_CHANNEL_LOAD_TORQUE_NM);
   bw_drive_sample(&drive, &now);
-  bw_drive_collect(&drive);
+  bw_collect(drive.state);
 }
 
 void setup() {
@@ -41,11 +41,11 @@ void setup() {
 void loop() {
   BwReport report;
   BwAlarm alarm;
-  BwCode code = bw_drive_clock(&drive, millis());
+  BwCode code = bw_clock(drive.state, millis());
   if (code < 0) {  // once, until the drive is watched again
     Serial.println(bw_error_text(code));
   }
-  if (bw_drive_advance(&drive, &report, &alarm) == BW_CODE_REPORT) {  // once in ten seconds
+  if (bw_advance(drive.state, &report, &alarm) == BW_CODE_REPORT) {  // once in ten seconds
     Serial.print("verdict: ");
     Serial.println(bw_drive_verdict(&report));
     if (alarm.raised) {

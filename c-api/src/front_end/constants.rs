@@ -1,16 +1,12 @@
 //! The constants of a front end.
 
-use core::sync::atomic::Ordering;
-
 use bearing_watch::Angle;
 use bearing_watch::drive::{
-    Alignment, BalanceLimits, FrontEndConstants, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
+    BalanceLimits, FrontEndConstants, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
 };
 
 use crate::about::park;
-use crate::code::{BwCode, Outcome, code};
-use crate::memory::{at, get};
-use crate::state::BwState;
+use crate::code::Outcome;
 
 /// One current sensor with its converter.
 #[repr(C)]
@@ -24,6 +20,18 @@ pub struct BwPhaseSensor {
     pub lowest_counts: u16,
     /// Highest usable count.
     pub highest_counts: u16,
+}
+
+/// Sign convention of the Park transform.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BwPark {
+    /// The current is not from a Park transform, or the model does not say.
+    Unknown = 0,
+    /// With the angle on the magnet axis, positive q current produces positive torque.
+    Standard = 1,
+    /// The +sin row of the source's Eq. 5.1.
+    Thesis = 2,
 }
 
 /// What a front end is made of. `bearing-watch train --front-end … --c model.h` writes it as `bw_front_end`.
@@ -118,43 +126,4 @@ impl BwFrontEndConstants {
             usable: [own.lowest_counts, own.highest_counts],
         })
     }
-}
-
-/// Checks that a front end gives samples like those on which the model was trained: the interval, to 1 %, and the sign
-/// convention of the quadrature current. From here on no segment has a verdict before `bw_tell_alignment` has said what
-/// the front end knows of the wiring (`BW_REASON_IMPLAUSIBLE`).
-///
-/// Returns `BW_CODE_OK`, also if the model does not say, `BW_CODE_MODEL_INTERVAL`, `BW_CODE_MODEL_PARK`, or what is wrong
-/// with the constants.
-///
-/// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `constants` is NULL or readable.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn bw_check_front_end(state: *const BwState, constants: *const BwFrontEndConstants) -> BwCode {
-    // SAFETY: the same contract; every bit pattern of the constants is valid.
-    let given = unsafe { at(state) }.and_then(|state| Ok((state, unsafe { get(constants)? })));
-    code(given.and_then(|(state, own)| {
-        let core = own.core()?;
-        state.model.check_interval(f32::from(own.factor) / core.control_rate_hz)?;
-        state.model.check_rotor_frame(&core.frame)?;
-        state.alignment.store(Alignment::Undecided as u8, Ordering::Relaxed);
-        Ok(BwCode::Ok)
-    }))
-}
-
-/// Says whether the currents turn with the rotor, `BW_ALIGNMENT_…`, as each `BwCleanSample` has it: while that is not
-/// decided, and where they do not, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`). In any context.
-///
-/// Returns `BW_CODE_OK`, or `BW_CODE_OUT_OF_RANGE`.
-///
-/// # Safety
-/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn bw_tell_alignment(state: *const BwState, alignment: u8) -> BwCode {
-    // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| {
-        let known = Alignment::ALL.get(usize::from(alignment)).ok_or(BwCode::OutOfRange)?;
-        state.alignment.store(*known as u8, Ordering::Relaxed);
-        Ok(BwCode::Ok)
-    }))
 }

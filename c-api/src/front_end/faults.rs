@@ -2,10 +2,6 @@
 
 use bearing_watch::drive::{Alignment, Faults, Imbalance, Lock, Phase};
 
-use super::BwFrontEnd;
-use crate::code::{BwCode, code};
-use crate::memory::{at, put};
-
 /// Why the three currents do not fit each other.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +67,7 @@ pub enum BwLock {
     Locked = 3,
 }
 
-/// What was refused since the start or `bw_front_end_clear_faults`, in samples where nothing else is said, and what is
+/// What a front end has refused since the start or `bw_clear_faults`, in samples where nothing else is said, and what is
 /// wrong now.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -172,30 +168,6 @@ pub(crate) const fn place_of(phase: Phase) -> u8 {
         Phase::B => 1,
         Phase::C => 2,
     }
-}
-
-/// Gives what was refused, and what is wrong now. In the interrupt, or with the interrupt masked.
-///
-/// # Safety
-/// `front_end` is NULL, or was given by `bw_front_end_init` or has as many readable bytes. `faults` is NULL or
-/// writable.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn bw_front_end_faults(front_end: *mut BwFrontEnd, faults: *mut BwFrontEndFaults) -> BwCode {
-    // SAFETY: the same contract.
-    let found = unsafe { at(front_end) }.and_then(|own| own.chain.with(|chain| chain.faults()));
-    // SAFETY: the same contract.
-    code(found.and_then(|found| unsafe { put(faults, found.into()) }).map(|()| BwCode::Ok))
-}
-
-/// Counts refusals from zero; what is wrong now stays. In the interrupt, or with the interrupt masked.
-///
-/// # Safety
-/// `front_end` is NULL, or was given by `bw_front_end_init` or has as many readable bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn bw_front_end_clear_faults(front_end: *mut BwFrontEnd) -> BwCode {
-    // SAFETY: the same contract.
-    let cleared = unsafe { at(front_end) }.and_then(|own| own.chain.with(|chain| chain.clear_faults()));
-    code(cleared.map(|()| BwCode::Ok))
 }
 
 #[cfg(test)]

@@ -1,17 +1,18 @@
 //! The front end of the library's plan.
 
-use bearing_watch::drive::FrontEndConstants;
+use bearing_watch::Model;
+use bearing_watch::drive::{CleanSample, FrontEndConstants};
 
 use crate::code::{BwCode, Outcome};
-use crate::plan::BW_MAX_FURTHER;
 pub(super) use crate::plan::DriveFrontEnd as Chain;
 pub(crate) use crate::plan::FURTHER;
+use crate::plan::{BW_MAX_FURTHER, Own, Sample};
 
 /// Creates the front end.
 ///
 /// # Errors
 /// What is wrong with the constants, another factor or number of further channels than the plan has, or more of these
-/// than a [`super::BwCleanSample`] has room for.
+/// than the interface takes.
 pub(super) fn create(factor: u16, further: u16, constants: &FrontEndConstants) -> Outcome<Chain> {
     if usize::from(further) != FURTHER || FURTHER > BW_MAX_FURTHER {
         return Err(BwCode::FrontEndFurther);
@@ -20,4 +21,20 @@ pub(super) fn create(factor: u16, further: u16, constants: &FrontEndConstants) -
         return Err(BwCode::FrontEndFactor);
     }
     Ok(Chain::new(constants)?)
+}
+
+/// The channels of the plan are those of its front end.
+#[derive(Debug)]
+pub(super) struct Columns;
+
+impl Columns {
+    #[expect(clippy::unnecessary_wraps, reason = "a library for any model has errors here")]
+    pub(super) const fn of(_: &Model<Own>, _: u16) -> Outcome<Self> {
+        Ok(Self)
+    }
+
+    #[inline]
+    pub(super) fn sample(&self, clean: CleanSample<FURTHER>) -> Sample {
+        clean.into()
+    }
 }

@@ -1,12 +1,11 @@
-//! What enters a front end, and what leaves it.
+//! What enters a front end.
 
 use bearing_watch::Angle;
-use bearing_watch::drive::{CleanSample, PhaseCounts, Position, RawSample};
+use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 
 use super::FURTHER;
 use crate::code::{BwCode, Outcome};
 use crate::memory::{elements, get};
-use crate::plan::BW_MAX_FURTHER;
 
 /// Whether counts of phases are taken, and whether a quadrature current is: a front end of the library's plan was
 /// trained for one of them, and needs no code for the other.
@@ -49,33 +48,13 @@ pub struct BwRawSample {
     pub current_a: f32,
 }
 
-/// All signals at one instant, some raw samples ago.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BwCleanSample {
-    /// Quadrature current, A; NaN if missing.
-    pub current_a: f32,
-    /// Mechanical velocity, rad/s; NaN if missing.
-    pub velocity_rad_s: f32,
-    /// Mechanical angle as `bw_collect` takes it, 2^32 is one turn; without meaning if the velocity is NaN.
-    pub angle: u32,
-    /// The further channels, NaN if missing; those that are not in use are 0.
-    pub further: [f32; BW_MAX_FURTHER],
-    /// 1 if a fault was found since the clean sample before that shows only after a window of samples (a stuck
-    /// converter, currents that do not fit each other, unequal gains of a resolver): samples before were wrong. Call
-    /// `bw_discard`.
-    pub found_late: u8,
-    /// Whether the currents turn with the rotor, `BW_ALIGNMENT_…`. Pass it to `bw_tell_alignment`.
-    pub alignment: u8,
-}
-
 impl BwRawSample {
     /// The sample of the core.
     ///
     /// # Errors
     /// [`BwCode::OutOfRange`]
     #[inline]
-    pub(super) fn core(&self, further: &[f32]) -> Outcome<RawSample<FURTHER>> {
+    pub(crate) fn core(&self, further: &[f32]) -> Outcome<RawSample<FURTHER>> {
         let position = match self.position {
             0 => Position::Missing,
             1 => Position::Absolute(Angle::from_bits(self.angle)),
@@ -126,18 +105,5 @@ pub(crate) fn phase_counts(counts: &[u16], phases: u8) -> Outcome<PhaseCounts> {
         (2, [a, b, ..]) => Ok(PhaseCounts::Two([*a, *b])),
         (3, [a, b, c, ..]) => Ok(PhaseCounts::Three([*a, *b, *c])),
         _ => Err(BwCode::OutOfRange),
-    }
-}
-
-impl BwCleanSample {
-    /// The sample with so many further channels in use.
-    #[inline]
-    pub(super) fn of(clean: CleanSample<FURTHER>, used: u16) -> Self {
-        let mut further = [0.0; BW_MAX_FURTHER];
-        let values = clean.further.into_iter().take(used.into());
-        further.iter_mut().zip(values).for_each(|(cell, value)| *cell = value);
-        let CleanSample { current_a, velocity_rad_s, angle, found_late, alignment, .. } = clean;
-        let (found_late, alignment) = (found_late.into(), alignment as u8);
-        Self { current_a, velocity_rad_s, angle: angle.bits(), further, found_late, alignment }
     }
 }

@@ -30,8 +30,8 @@ static void of_bearing_watch(void) {
         return;
     }
     bw_drive_sample(&drive, &now);
-    bw_drive_collect(&drive);
-    if (bw_drive_advance(&drive, &report, &alarm) == BW_CODE_REPORT) {
+    bw_collect(drive.state);
+    if (bw_advance(drive.state, &report, &alarm) == BW_CODE_REPORT) {
         results[2] = (float)report.verdict;
     }
 }

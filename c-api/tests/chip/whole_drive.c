@@ -28,9 +28,9 @@ static void watch(void) {
     now.load_torque_nm = results[4];
     if (bw_drive_start(&drive, &bw_front_end) < 0) { return; }
     bw_drive_sample(&drive, &now);
-    bw_drive_collect(&drive);
-    if (bw_drive_clock(&drive, milliseconds) < 0) { return; }
-    bw_drive_advance(&drive, &report, &alarm);
+    bw_collect(drive.state);
+    if (bw_clock(drive.state, milliseconds) < 0) { return; }
+    bw_advance(drive.state, &report, &alarm);
     results[2] = (float)report.verdict + (float)alarm.raised;
 }
 #endif

@@ -21,7 +21,7 @@ static void below(void) {
     const unsigned settings = _mm_getcsr();
     if (!strcmp(word, "flushed")) { _mm_setcsr(settings | 0x8040u); }
 #endif
-    bw_drive_collect(&drive);
+    bw_collect(drive.state);
 #ifdef __SSE__
     _mm_setcsr(settings);
 #endif
@@ -50,7 +50,6 @@ static BwCode sample(uint32_t number) {
 }
 
 static BwCode start(void) { return bw_drive_start(&drive, &bw_front_end); }
-#define REQUEST BW_CODE_CLEAN_SAMPLE
 #else
 /* Of 1 kHz by its clock: a wrong rate. */
 enum { RATE_KHZ = 1, BLOCKED_FROM = 4001, BLOCKED_TO = 4013, ROWS = 15100 };
@@ -64,7 +63,6 @@ static BwCode sample(uint32_t number) {
 }
 
 static BwCode start(void) { return bw_drive_start(&drive); }
-#define REQUEST BW_CODE_OK
 #endif
 
 int main(int count, char **words) {
@@ -80,14 +78,14 @@ int main(int count, char **words) {
         return 1;
     }
     for (uint32_t number = 0; number < ROWS; number++) {
-        if (sample(number) == REQUEST) { pending = true; }
+        if (sample(number) == BW_CODE_COLLECT) { pending = true; }
         if (pending) {
             pending = false;
             if (strcmp(word, "blocked") || number < BLOCKED_FROM || number >= BLOCKED_TO) { below(); }
         }
-        code = bw_drive_clock(&drive, number / RATE_KHZ);
+        code = bw_clock(drive.state, number / RATE_KHZ);
         if (code < 0) { printf("%s\n", bw_error_text(code)); }
-        if (bw_drive_advance(&drive, &report, &alarm) == BW_CODE_REPORT) { reports++; }
+        if (bw_advance(drive.state, &report, &alarm) == BW_CODE_REPORT) { reports++; }
     }
     printf("%lu reports, %lu lost, alignment %d, reason %d %u\n", (unsigned long)reports,
            (unsigned long)report.lost_samples, (int)report.alignment, (int)report.reason, (unsigned)report.place);

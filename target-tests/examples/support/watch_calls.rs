@@ -6,7 +6,7 @@ use core::hint::black_box as opaque;
 use bearing_watch::LivenessLimits;
 use bearing_watch::drive::*;
 use bearing_watch::model::Sampling;
-use bearing_watch::plan::Plan;
+use bearing_watch::plan::{Plan, Signals as _};
 use bearing_watch::watch::*;
 
 use super::model::{Drive, MODEL, Sample};
@@ -32,6 +32,13 @@ pub fn run(mut show: impl FnMut(&dyn fmt::Display)) {
     if let Err(error) = Watch::<Drive, FrontEnd<1, 20>>::start(opaque(&RAW), &MODEL, &opaque(CONSTANTS)) {
         show(&error);
     }
+    // Another model and other constants without a reboot.
+    if Watch::<Drive, FrontEnd<1, 20>>::stop(&RAW)
+        && let Ok(front_end) = FrontEnd::<1, 20>::new(&opaque(CONSTANTS))
+        && let Err(error) = Watch::<Drive, FrontEnd<1, 20>>::start_around(opaque(&RAW), &MODEL, front_end)
+    {
+        show(&error);
+    }
     let limits = WiringLimits {
         least_current_a: opaque(0.5),
         offset_rad: 0.1,
@@ -41,6 +48,7 @@ pub fn run(mut show: impl FnMut(&dyn fmt::Display)) {
     };
     let mut check = opaque(WiringCheck::new(CONSTANTS.frame, CONSTANTS.control_rate_hz, limits));
     Watch::<Drive, FrontEnd<1, 20>>::check_wiring(&RAW, motor.sample(), opaque(1.0), &mut check);
+    Watch::<Drive, FrontEnd<1, 20>>::clear_faults(&RAW);
     for number in 0..opaque(5_u16) {
         opaque(Watch::<Drive, FrontEnd<1, 20>>::sample(&RAW, opaque(motor.sample())));
         let current_a = f32::from(opaque(number));
@@ -52,7 +60,8 @@ pub fn run(mut show: impl FnMut(&dyn fmt::Display)) {
 
 fn below<P: Plan, F>(watch: &'static Watch<P, F>, show: &mut impl FnMut(&dyn fmt::Display)) {
     opaque(Watch::collect(watch));
-    opaque(Watch::advance(watch, |now| now.alarm.is_some()));
+    opaque(Watch::collect_with(watch, |sample, missed| _ = opaque((opaque(sample).angle(), missed))));
+    opaque(Watch::advance(watch, |now| now.alarm.is_some() || now.withdrawn));
     if let Some(lapse) = Watch::clock(watch, opaque(12_345)) {
         opaque(Lapse::message(lapse));
         show(&lapse);
@@ -68,5 +77,5 @@ fn below<P: Plan, F>(watch: &'static Watch<P, F>, show: &mut impl FnMut(&dyn fmt
     if let Err(error) = Watch::restore(watch, &bytes) {
         show(&error);
     }
-    opaque((Watch::restart(watch), Watch::status(watch)));
+    opaque((Watch::restart(watch), Watch::reset(watch), Watch::status(watch)));
 }

@@ -84,7 +84,7 @@ pub fn c_library((way, board): (Way, Board), plan: &str, features: &str, setting
     let names = child::output(symbols.args(["-g", "--defined-only", "-j"]).arg(&made)).unwrap_or_default();
     let foreign = |line: &&str| !line.is_empty() && !line.ends_with(':') && !line.starts_with("bw_");
     let foreign: Vec<&str> = names.lines().filter(foreign).collect();
-    ensure!(names.contains("\nbw_init\n") && foreign.is_empty(), "the library defines {foreign:?}");
+    ensure!(names.contains("\nbw_start\n") && foreign.is_empty(), "the library defines {foreign:?}");
     Ok(made)
 }
 

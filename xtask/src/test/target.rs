@@ -12,7 +12,7 @@ use crate::firmware::{elf, qemu};
 use crate::report::Tally;
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
-const TWINS: [&str; 5] = ["monitor", "kernels", "deferred", "telemetry", "random_plans"];
+const TWINS: [&str; 6] = ["monitor", "kernels", "deferred", "telemetry", "two_motors", "random_plans"];
 
 /// Every example builds for the drive's chip, also with all features.
 pub fn builds(tally: &mut Tally, way: Way) {

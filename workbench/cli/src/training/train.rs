@@ -59,7 +59,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Error> {
             taken.drive = Some(text.clone());
             training = training.with_drive(text)?;
         }
-        let exported = exports.exported(training.bytes.clone(), || training.rust_source(), || training.c_header())?;
+        let exported =
+            exports.exported(training.bytes.clone(), || training.rust_source(), |name| training.c_header(name))?;
         let findings = session.found(&training, args.rank, log)?;
         let report = args.report.as_ref().map(|_| page(&training, &findings)).transpose()?;
         let report = report.map(|page| taken.on_page(page));

@@ -43,7 +43,7 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
         "#define BW_FRONT_END_POSITION_BITS 14u",
         "enum { BW_FRONT_END_FURTHER_LOAD_TORQUE_NM = 0 };",
         "4000.0f, /* control_rate_hz */",
-        "values[1] = clean->velocity_rad_s;",
+        "raw.angle = bw_angle(reading->position, BW_FRONT_END_POSITION_BITS);",
     ] {
         assert!(header.contains(words), "{words} in {header}");
     }

@@ -77,7 +77,7 @@ pub fn train_features(
     let exported = exports.exported(
         trained.to_bytes(&notes.to_text())?,
         || rust_source(&trained, &description, &channels),
-        || c_header(&trained.to_core()?, (&description, &notes.orders), Some(&channels)),
+        |name| c_header(&trained.to_core()?, (&description, &notes.orders), Some(&channels), name),
     )?;
     outputs::write_all(&exports.contents(&exported))?;
     log.warn(description::of_host(host, &description));

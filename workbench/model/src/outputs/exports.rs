@@ -21,6 +21,10 @@ pub struct Exports {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "FILE")))]
     pub c: Option<PathBuf>,
+    /// Name of the model in the C header, if a program has several: `left` for `BW_LEFT_MODEL_…` and `BwLeftDrive`
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAME")))]
+    pub c_name: Option<String>,
 }
 
 /// The contents of the files.
@@ -46,10 +50,10 @@ impl Exports {
         &self,
         model: Vec<u8>,
         rust: impl FnOnce() -> Result<String, Error>,
-        c: impl FnOnce() -> Result<String, Error>,
+        c: impl FnOnce(Option<&str>) -> Result<String, Error>,
     ) -> Result<Exported, Error> {
         let rust = self.rust.as_ref().map(|_| rust()).transpose()?;
-        Ok(Exported { model, rust, c: self.c.as_ref().map(|_| c()).transpose()? })
+        Ok(Exported { model, rust, c: self.c.as_ref().map(|_| c(self.c_name.as_deref())).transpose()? })
     }
 
     /// The files with their contents.

@@ -69,12 +69,12 @@ impl ModelFile {
         &self.notes.trained_on
     }
 
-    /// The model as a C header.
+    /// The model as a C header, with this name in its names.
     ///
     /// # Errors
-    /// A model that the header cannot hold.
-    pub fn c_header(&self) -> Result<String, Error> {
-        c_header(self.model.model(), (&[], &self.notes.orders), Some(self.channels()))
+    /// A model that the header cannot hold, and a name that is not one of C.
+    pub fn c_header(&self, name: Option<&str>) -> Result<String, Error> {
+        c_header(self.model.model(), (&[], &self.notes.orders), Some(self.channels()), name)
     }
 
     /// Reads the only trace of a source of this name as the detector takes it.

@@ -77,7 +77,7 @@ fn model_contents(first: &Draw) -> Result<[Vec<u8>; 4], Error> {
     let notes = Notes::new(&channels(), Preparation::NONE, &first.trained, (ids, &[]), None);
     Ok([
         export::rust_source(&first.trained, &lines)?.into_bytes(),
-        c_header(&first.trained.to_core()?, (&lines, &notes.orders), None)?.into_bytes(),
+        c_header(&first.trained.to_core()?, (&lines, &notes.orders), None, None)?.into_bytes(),
         first.trained.to_bytes(&notes.to_text())?,
         converter_counts(first),
     ])

@@ -65,12 +65,12 @@ impl Training {
         rust_source(&self.trained, &self.description, &self.channels)
     }
 
-    /// The model as a C header.
+    /// The model as a C header, with this name in its names.
     ///
     /// # Errors
-    /// A model that the core does not accept.
-    pub fn c_header(&self) -> Result<String, Error> {
-        c_header(&self.trained.to_core()?, (&self.description, &self.notes.orders), Some(&self.channels))
+    /// A model that the core does not accept, and a name that is not one of C.
+    pub fn c_header(&self, name: Option<&str>) -> Result<String, Error> {
+        c_header(&self.trained.to_core()?, (&self.description, &self.notes.orders), Some(&self.channels), name)
     }
 
     /// What is missing in the recordings of training.

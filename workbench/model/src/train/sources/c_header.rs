@@ -1,10 +1,11 @@
-//! A trained model as a C header: its bytes for `bw_init` of the C interface, and the names, sizes and limits that the
+//! A trained model as a C header: its bytes for `bw_start` of the C interface, and the names, sizes and limits that the
 //! firmware needs beside them.
 
 use bearing_watch::Model;
 use bearing_watch::model::{Channel, MAX_BYTES};
 use bearing_watch::plan::RunTime;
 
+use super::c_name::CName;
 use super::c_text::{enumeration, line, number, texts};
 use super::drive_header::drive_header;
 use super::front_end_header::front_end_header;
@@ -17,15 +18,19 @@ const ROW: usize = 16;
 
 /// Returns the C header of the model with these names of its orders; `notes` become a comment at its head. The bytes
 /// are those of the model file without its notes, which are for the workbench. If the `recorded` channels passed a
-/// front end, the header has it, too.
+/// front end, the header has it, too. All names contain `name`, if a program has several models.
 ///
 /// # Errors
-/// A model that is too large for its binary form, or whose front end has no place in the C interface.
+/// A model that is too large for its binary form, or whose front end has no place in the C interface; and a name that
+/// is not one of C.
 pub fn c_header(
     model: &Model<RunTime>,
     (notes, orders): (&[String], &[String]),
     recorded: Option<&Channels>,
+    name: Option<&str>,
 ) -> Result<String, Error> {
+    let names_of = CName::new(name)?;
+    let (upper, guard) = (&names_of.upper, names_of.guard());
     let front_end = recorded.and_then(|recorded| Some((recorded, recorded.front_end.as_ref()?)));
     let mut buffer = vec![0; MAX_BYTES];
     let length = model.to_bytes("", &mut buffer).map_err(|error| Error::Training(error.to_string()))?;
@@ -42,44 +47,49 @@ pub fn c_header(
     for note in notes {
         line(&mut out, &format!(" * {}", comment(note)));
     }
-    out += " */\n#ifndef BEARING_WATCH_MODEL_H\n#define BEARING_WATCH_MODEL_H\n\n#include <stdint.h>\n\n#include \"bearing_watch.h\"\n\n";
-    line(&mut out, "/* Number of the model, for `bw_init_own`: another model has another one. */");
-    line(&mut out, &format!("#define BW_MODEL_ID 0x{:08x}u", model.id()));
+    // Silence would drop the second of two models.
+    let id = format!("0x{:08x}u", model.id());
+    let problem = "another model has this name: train one of them with --c-name";
+    out += &format!(" */\n#ifdef {guard}\n#if {upper}MODEL_ID != {id}\n#error \"{problem}\"\n#endif\n#else\n");
+    out += &format!("#define {guard}\n\n#include <stdint.h>\n\n#include \"bearing_watch.h\"\n\n");
+    line(&mut out, "/* Number of the model, for `bw_start_own`: another model has another one. */");
+    line(&mut out, &format!("#define {upper}MODEL_ID {id}"));
     line(&mut out, "/* Number of bytes. */");
-    line(&mut out, &format!("#define BW_MODEL_LENGTH {length}u"));
+    line(&mut out, &format!("#define {upper}MODEL_LENGTH {length}u"));
     line(&mut out, "/* Interval of the samples, s; 0 if it is unknown. */");
-    line(&mut out, &format!("#define BW_MODEL_INTERVAL_S {}", number(constants.sampling.interval_s)));
+    line(&mut out, &format!("#define {upper}MODEL_INTERVAL_S {}", number(constants.sampling.interval_s)));
     line(&mut out, "/* Samples of a segment, and samples averaged into each of them. */");
-    line(&mut out, &format!("#define BW_MODEL_SEGMENT_SAMPLES {}u", constants.sampling.segment_samples));
-    line(&mut out, &format!("#define BW_MODEL_BLOCK_MEAN {}u", constants.sampling.block_mean));
+    line(&mut out, &format!("#define {upper}MODEL_SEGMENT_SAMPLES {}u", constants.sampling.segment_samples));
+    line(&mut out, &format!("#define {upper}MODEL_BLOCK_MEAN {}u", constants.sampling.block_mean));
     line(&mut out, "/* Whether samples need the angle of the shaft. */");
-    line(&mut out, &format!("#define BW_MODEL_NEEDS_ANGLE {}", u8::from(layout.needs_angle())));
+    line(&mut out, &format!("#define {upper}MODEL_NEEDS_ANGLE {}", u8::from(layout.needs_angle())));
     out +=
         "\n/* Channels of a sample, in this order; their names and units, and the largest plausible magnitudes. */\n";
-    line(&mut out, &format!("#define BW_MODEL_CHANNELS {}u", channels.len()));
-    enumeration(&mut out, "BW_MODEL_CHANNEL_", &names);
-    line(&mut out, &format!("#define BW_MODEL_CHANNEL_NAMES {}", texts(&names)));
-    line(&mut out, &format!("#define BW_MODEL_CHANNEL_UNITS {}", texts(&units)));
-    line(&mut out, &format!("#define BW_MODEL_CHANNEL_LIMITS {}", limits(channels)));
+    line(&mut out, &format!("#define {upper}MODEL_CHANNELS {}u", channels.len()));
+    enumeration(&mut out, &format!("{upper}MODEL_CHANNEL_"), &names);
+    line(&mut out, &format!("#define {upper}MODEL_CHANNEL_NAMES {}", texts(&names)));
+    line(&mut out, &format!("#define {upper}MODEL_CHANNEL_UNITS {}", texts(&units)));
+    line(&mut out, &format!("#define {upper}MODEL_CHANNEL_LIMITS {}", limits(channels)));
     out += "\n/* Classes. */\n";
-    line(&mut out, &format!("#define BW_MODEL_CLASSES {}u", labels.len()));
-    enumeration(&mut out, "BW_MODEL_CLASS_", &labels);
-    line(&mut out, &format!("#define BW_MODEL_CLASS_NAMES {}", texts(&labels)));
+    line(&mut out, &format!("#define {upper}MODEL_CLASSES {}u", labels.len()));
+    enumeration(&mut out, &format!("{upper}MODEL_CLASS_"), &labels);
+    line(&mut out, &format!("#define {upper}MODEL_CLASS_NAMES {}", texts(&labels)));
     out += "\n/* Coordinates: each is the feature of this name, or a combination of features, z1 and so on. */\n";
     let coordinates = coordinates::of_model(model, orders);
     let coordinates: Vec<&str> = coordinates.iter().map(String::as_str).collect();
-    line(&mut out, &format!("#define BW_MODEL_COORDINATES {}u", coordinates.len()));
-    line(&mut out, &format!("#define BW_MODEL_COORDINATE_NAMES {}", texts(&coordinates)));
-    out += "\n/* For `bw_init`. */\nstatic const uint8_t bw_model[BW_MODEL_LENGTH] = {\n";
+    line(&mut out, &format!("#define {upper}MODEL_COORDINATES {}u", coordinates.len()));
+    line(&mut out, &format!("#define {upper}MODEL_COORDINATE_NAMES {}", texts(&coordinates)));
+    let lower = &names_of.lower;
+    out += &format!("\n/* For `bw_start`. */\nstatic const uint8_t {lower}model[{upper}MODEL_LENGTH] = {{\n");
     for row in bytes.chunks(ROW) {
         let row: Vec<String> = row.iter().map(|byte| format!("0x{byte:02x},")).collect();
         line(&mut out, &format!("    {}", row.join(" ")));
     }
     out += "};\n";
     if let Some((recorded, file)) = front_end {
-        out += &front_end_header(model, recorded, file)?;
+        out += &front_end_header(model, recorded, file, &names_of)?;
     }
-    out += &drive_header(channels, layout.needs_angle(), front_end.map(|(_, file)| file));
+    out += &drive_header(channels, layout.needs_angle(), front_end.map(|(_, file)| file), &names_of);
     out += "\n#endif\n";
     Ok(out)
 }
@@ -109,7 +119,7 @@ mod tests {
     fn the_bytes_are_those_of_the_model() {
         let file = std::fs::read(format!("{FOLDER}/model.bwm")).expect("the committed model");
         let model = Model::<RunTime>::from_bytes(&file).expect("a model");
-        let header = c_header(&model, (&["ends */ here".into()], &[]), None).expect("a header");
+        let header = c_header(&model, (&["ends */ here".into()], &[]), None, None).expect("a header");
         let (_, array) = header.split_once("= {\n").expect("an array");
         let array = array.split_once("};").expect("the end of the array").0;
         let bytes = array.split_terminator(',').map(str::trim).filter(|byte| !byte.is_empty());
@@ -125,16 +135,20 @@ mod tests {
         assert_eq!(header.matches("*/").count(), header.matches("/*").count(), "no note ends its comment");
     }
 
+    /// The second one is for a program with two models.
     #[test]
     fn the_committed_header_is_that_of_the_committed_model() {
         let file = std::fs::read(format!("{FOLDER}/model.bwm")).expect("the committed model");
         let model = Model::<RunTime>::from_bytes(&file).expect("a model");
         let note = "Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.";
-        let header = c_header(&model, (&[note.into()], &[]), None).expect("a header");
-        if std::env::var_os("BEARING_WATCH_WRITE_HEADER").is_some() {
-            std::fs::write(format!("{FOLDER}/model.h"), &header).expect("a writable file");
+        let of_test = "../../../c-api/tests/main_loop/rig.h";
+        for (name, path) in [(None, "model.h"), (Some("rig"), of_test)] {
+            let header = c_header(&model, (&[note.into()], &[]), None, name).expect("a header");
+            if std::env::var_os("BEARING_WATCH_WRITE_HEADER").is_some() {
+                std::fs::write(format!("{FOLDER}/{path}"), &header).expect("a writable file");
+            }
+            let committed = std::fs::read_to_string(format!("{FOLDER}/{path}")).expect("the committed header");
+            assert!(header == committed, "this test writes it anew with the variable BEARING_WATCH_WRITE_HEADER");
         }
-        let committed = std::fs::read_to_string(format!("{FOLDER}/model.h")).expect("the committed header");
-        assert!(header == committed, "this test writes it anew with the variable BEARING_WATCH_WRITE_HEADER");
     }
 }

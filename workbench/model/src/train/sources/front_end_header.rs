@@ -1,10 +1,10 @@
 //! The front end that a model was trained with, as part of the model's C header.
 
 use bearing_watch::drive::{FrontEndConstants, PhaseSensor};
-use bearing_watch::model::Channel;
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Model, Park};
 
+use super::c_name::CName;
 use super::c_text::{enumeration, line, number, texts};
 use super::front_end_source::{further_channels, further_columns, own};
 use crate::Error;
@@ -14,8 +14,7 @@ use crate::trace::{Channels, FrontEndFile};
 /// Further channels that the C interface takes at most, its `BW_MAX_FURTHER`.
 const MAX_FURTHER: usize = 6;
 
-/// Returns the part of the header: the constants as `bw_front_end`, the further channels, and a function that makes the
-/// channels of the model from a clean sample.
+/// Returns the part of the header: the constants as `bw_front_end`, and the further channels.
 ///
 /// # Errors
 /// A model with a channel that is a difference of columns, or with more further channels than the C interface takes.
@@ -23,6 +22,7 @@ pub(crate) fn front_end_header(
     model: &Model<RunTime>,
     recorded: &Channels,
     file: &FrontEndFile,
+    CName { upper, lower, .. }: &CName,
 ) -> Result<String, Error> {
     further_columns(model, recorded, "--c")?;
     let names = further_channels(model);
@@ -34,63 +34,44 @@ pub(crate) fn front_end_header(
     let units: Vec<&str> =
         channels.iter().filter(|channel| !own(channel)).map(|channel| channel.unit.as_str()).collect();
     let mut out = String::from("\n/* The front end that the recordings passed: raw samples per clean sample. */\n");
-    line(&mut out, &format!("#define BW_FRONT_END_FACTOR {}u", file.factor));
+    line(&mut out, &format!("#define {upper}FRONT_END_FACTOR {}u", file.factor));
     match file.position.turn().map_err(Error::Usage)? {
         Some(Turn::Bits(bits)) => {
             line(&mut out, "/* Bits a turn of the position sensor, for `bw_angle`. */");
-            line(&mut out, &format!("#define BW_FRONT_END_POSITION_BITS {bits}u"));
+            line(&mut out, &format!("#define {upper}FRONT_END_POSITION_BITS {bits}u"));
         }
         Some(Turn::Counts(turn, _)) => {
             line(&mut out, "/* Counts a turn of the encoder, for `bw_angle_from_cpr`. */");
-            line(&mut out, &format!("#define BW_FRONT_END_COUNTS_PER_TURN {turn}"));
-            out += &angle_of_counts(turn);
+            line(&mut out, &format!("#define {upper}FRONT_END_COUNTS_PER_TURN {turn}"));
+            out += &angle_of_counts(turn, upper, lower);
         }
         None => {}
     }
     line(&mut out, "/* Its further channels, in this order, with names and units. */");
-    line(&mut out, &format!("#define BW_FRONT_END_FURTHER {}u", names.len()));
+    line(&mut out, &format!("#define {upper}FRONT_END_FURTHER {}u", names.len()));
     if !names.is_empty() {
-        enumeration(&mut out, "BW_FRONT_END_FURTHER_", &names);
-        line(&mut out, &format!("#define BW_FRONT_END_FURTHER_NAMES {}", texts(&names)));
-        line(&mut out, &format!("#define BW_FRONT_END_FURTHER_UNITS {}", texts(&units)));
+        enumeration(&mut out, &format!("{upper}FRONT_END_FURTHER_"), &names);
+        line(&mut out, &format!("#define {upper}FRONT_END_FURTHER_NAMES {}", texts(&names)));
+        line(&mut out, &format!("#define {upper}FRONT_END_FURTHER_UNITS {}", texts(&units)));
     }
     out += "/* For `bw_front_end_init`; `bw_calibration_finish` puts the offsets of a drive into a copy. */\n";
-    out += "static const BwFrontEndConstants bw_front_end = {\n";
+    out += &format!("static const BwFrontEndConstants {lower}front_end = {{\n");
     for (value, name) in constants(&file.constants(), file.factor, names.len()) {
         line(&mut out, &format!("    {value}, /* {name} */"));
     }
-    out += "};\n/* Makes the channels of the model, for `bw_collect`, from a clean sample. */\n";
-    out += "static inline void bw_front_end_values(const BwCleanSample *clean, float values[BW_MODEL_CHANNELS]) {\n";
-    values(channels)
-        .iter()
-        .enumerate()
-        .for_each(|(k, from)| line(&mut out, &format!("    values[{k}] = clean->{from};")));
-    out += "}\n";
+    out += "};\n";
     Ok(out)
 }
 
 /// `bw_angle_from_cpr` of a number that the compiler knows: without its division of 64 bits.
-fn angle_of_counts(turn: u32) -> String {
+fn angle_of_counts(turn: u32, upper: &str, lower: &str) -> String {
     let scale = (1_u64 << 48) / u64::from(turn) + 1;
     format!(
-        "static inline uint32_t bw_front_end_angle(int32_t counts) {{\n\
-         \x20   int32_t within = counts % BW_FRONT_END_COUNTS_PER_TURN;\n\
-         \x20   if (within < 0) {{ within += BW_FRONT_END_COUNTS_PER_TURN; }}\n\
+        "static inline uint32_t {lower}front_end_angle(int32_t counts) {{\n\
+         \x20   int32_t within = counts % {upper}FRONT_END_COUNTS_PER_TURN;\n\
+         \x20   if (within < 0) {{ within += {upper}FRONT_END_COUNTS_PER_TURN; }}\n\
          \x20   return (uint32_t)(((uint64_t)(uint32_t)within * {scale}u) >> 16);\n}}\n"
     )
-}
-
-/// Where a clean sample has each channel of the model.
-fn values(channels: &[Channel]) -> Vec<String> {
-    let mut further = 0..;
-    let place = |channel: &Channel| {
-        if own(channel) {
-            channel.name.as_str().to_owned()
-        } else {
-            further.next().map_or_else(String::new, |k: usize| format!("further[{k}]"))
-        }
-    };
-    channels.iter().map(place).collect()
 }
 
 /// The values of a `BwFrontEndConstants` with their names, in the order of the header: C++ has no designators before
@@ -169,7 +150,8 @@ mod tests {
         let source = text("examples/support/actuator/model.rs");
         let notes = source.lines().skip(2).map_while(|line| line.strip_prefix("// ")).map(String::from);
         let orders = ["outer", "inner", "ball", "cage"].map(String::from);
-        let header = c_header(&model(), (&notes.collect::<Vec<_>>(), &orders), Some(&recorded())).expect("a header");
+        let header =
+            c_header(&model(), (&notes.collect::<Vec<_>>(), &orders), Some(&recorded()), None).expect("a header");
         if std::env::var_os("BEARING_WATCH_WRITE_HEADER").is_some() {
             std::fs::write(format!("{ROOT}/examples/support/actuator/model.h"), &header).expect("a writable file");
         }
@@ -182,20 +164,21 @@ mod tests {
     fn names_and_order_are_those_of_the_interface() {
         let interface = text("c-api/include/bearing_watch.h");
         let (_, rest) = interface.split_once("typedef struct BwFrontEndConstants {").expect("the type");
-        let fields = rest.split_once('}').expect("its end").0.lines().map(str::trim);
-        let fields = fields.filter(|line| !line.starts_with("//")).filter_map(|line| line.strip_suffix(';'));
+        let fields = rest.split_once('}').expect("its end").0.lines();
+        let fields = fields.filter_map(|line| line.split("//").next()?.trim().strip_suffix(';'));
         let fields: Vec<&str> = fields.filter_map(|line| line.split_whitespace().last()?.split('[').next()).collect();
         let file = recorded().front_end.expect("a front end");
         let written = constants(&file.constants(), file.factor, 2);
         let written: Vec<&str> = written.iter().filter_map(|(_, name)| name.split(':').next()).collect();
         assert_eq!(written, fields);
-        assert!(interface.contains(&format!("#define BW_MAX_FURTHER {MAX_FURTHER}\n")));
+        let service = text("c-api/include/bearing_watch_service.h");
+        assert!(service.contains(&format!("#define BW_MAX_FURTHER {MAX_FURTHER}\n")));
     }
 
     #[test]
     fn a_channel_that_the_front_end_does_not_make_is_refused() {
         let without = Channels { u2: "load_torque_nm-other".into(), ..recorded() };
-        let problem = c_header(&model(), (&[], &[]), Some(&without)).expect_err("a difference").to_string();
+        let problem = c_header(&model(), (&[], &[]), Some(&without), None).expect_err("a difference").to_string();
         assert!(problem.contains("--c") && problem.contains("load_torque_nm"), "{problem}");
     }
 }
