@@ -75,11 +75,13 @@ pub(crate) struct Args {
     #[arg(long, conflicts_with_all = ["features", "quick", "limits"])]
     default: bool,
     /// Healthy records on which each detector of the field is judged
-    #[arg(long, value_name = "N", requires = "field", default_value_t = 300)]
+    #[arg(long, value_name = "N", requires = "field", conflicts_with_all = ["limits", "delay", "growth"])]
+    #[arg(default_value_t = 300)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     healthy: u32,
     /// Records of each defect on which each detector of the field is judged
-    #[arg(long, value_name = "N", requires = "field", default_value_t = 60)]
+    #[arg(long, value_name = "N", requires = "field", conflicts_with_all = ["limits", "delay", "growth"])]
+    #[arg(default_value_t = 60)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     defects: u32,
     /// Print JSON
