@@ -7,8 +7,8 @@
 //! o = 2, 4, z₂/r, 1/r                              strain-wave gear, from a ratio of 30 on
 //! ```
 //!
-//! θ is the angle of the motor, measured at the load side of a belt. The ripple (2) is a function of the angle: it takes
-//! no energy over a period. The teeth are those of the type of axis; amplitudes, phases and friction are drawn.
+//! θ is the angle of the motor, measured at the load side of a belt. The ripple (2) is a function of the angle, so that
+//! it takes no energy over a period. The teeth belong to the type of axis; amplitudes, phases and friction are drawn.
 
 use super::RATIOS;
 use crate::bearing::direction;

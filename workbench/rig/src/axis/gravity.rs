@@ -8,7 +8,7 @@
 //! ```
 //!
 //! W: weight at the motor at nominal payload, p: payload, 1 nominal, c: counterbalance, s: share of the payload in the
-//! inertia, v: variation of the inertia with the position. With (4) the energy ½ J ω² changes by the work of M − T only.
+//! inertia, v: variation of the inertia with the position. With (4) only the work of M − T changes the energy ½ J ω².
 
 use core::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! The parts of an axis by name, as conditions that combine: on their own on top of MIX, or on top of another condition.
+//! The parts of an axis by name, as conditions that combine: on top of MIX, or on top of another condition.
 //!
 //! An axis has no load sensor, unless the other condition has a sensor with errors; beside its weight only a small load
 //! is left, ± 0.005 N·m on the DC-motor rig and the fluctuation on the actuator.

@@ -3,8 +3,8 @@
 use core::f64::consts::TAU;
 
 use super::*;
-use crate::field::MechanicsValues;
-use crate::{Condition, Defect, DefectKind, Duty, Field, MotorParameters, RigTrace, Scenario, simulate};
+use crate::field::{LoadFriction, MechanicsValues};
+use crate::{Condition, Defect, DefectKind, Duty, Field, FieldValues, MotorParameters, RigTrace, Scenario, simulate};
 
 /// A motor without friction, load and noise.
 const QUIET: Scenario = Scenario {
@@ -59,6 +59,21 @@ fn at_steady_speed_the_current_follows_the_weight() {
 }
 
 #[test]
+fn friction_in_proportion_to_the_load_includes_the_weight() {
+    let field = Field { load_friction: Some(LoadFriction::FIELD), ..Field::NONE };
+    let axis = Axis::with_weight(0.4);
+    let scenario = Scenario { duty: Duty::ConstantSpeed, ..Scenario { field, ..QUIET }.with_axis(axis) };
+    let mu = FieldValues::draw(&scenario, 4).load_friction.expect("on").coefficient;
+    let trace = run(&scenario, 4);
+    for k in (1000..4990).step_by(97) {
+        let slope = (trace.velocity_rad_s[k + 1] - trace.velocity_rad_s[k - 1]) / 0.004;
+        let friction = 0.05 * trace.current_a[k] - 2.5e-4 * slope - trace.axis.weight_nm[k];
+        // The filter lags by 1.6e-3 · 0.8 of the weight and of its friction.
+        assert!((friction - mu * trace.axis.weight_nm[k].abs()).abs() < 1e-3, "{k} {friction}");
+    }
+}
+
+#[test]
 fn without_friction_energy_goes_into_motion_height_and_nothing_else() {
     let gravity = Gravity { inertia_swing: 0.3, payload_inertia: 0.2, ..Gravity::ROTARY };
     let scenario =
@@ -89,7 +104,6 @@ fn without_friction_energy_goes_into_motion_height_and_nothing_else() {
     }
 }
 
-/// Samples at which the motor is past a stop by no torque, and the widest play, in a free reversal.
 #[test]
 fn in_a_reversal_the_backlash_is_crossed_without_torque() {
     let gap = 1.0_f64.to_radians();
@@ -102,7 +116,8 @@ fn in_a_reversal_the_backlash_is_crossed_without_torque() {
     let load_rad = |k: usize| 50.0 * trace.axis.axis_rad[k];
     let play: Vec<f64> = (500..5000).map(|k| trace.angle_rad[k] - load_rad(k)).collect();
     let (low, high) = play.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
-    // Beyond the gap the spring twists by J₂ ω̇/k = ω̇/((2πf)² 0.6) = 1.5e-3 rad for 126 rad/s², and twice of it in an impact.
+    // Beyond the gap the spring twists by J₂ ω̇/k = ω̇/((2πf)² 0.6) = 1.5e-3 rad for 126 rad/s² on each side, and by up
+    // to three times as much in an impact.
     let twist = 40.0 * TAU * 0.5 / ((TAU * values.resonance_hz).powi(2) * (1.0 - values.load_share));
     assert!((gap..gap + 6.0 * twist).contains(&(high - low)), "{low} {high} {twist}");
     // The load leaves one side at the peak of the velocity and coasts; the motor crosses the gap in free motion.

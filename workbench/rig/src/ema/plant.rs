@@ -17,9 +17,9 @@
 //! F = F_ext(t) + k_e x                                                           (5)
 //! ```
 //!
-//! On an axis of a machine, F_s includes the weight, and gear and brake oppose the motor ([`axis`](crate::axis)). A belt
-//! is a second inertia with its own angle and velocity ([`Mechanics`](crate::field::Mechanics)): screw, gear and weight
-//! act on it, and motor, brake and bearing on the first one; x follows the second one.
+//! On an axis of a machine, F_s includes the weight, and gear and brake oppose the motor ([`axis`](crate::axis)).
+//! Behind a belt is a second inertia with its own angle and velocity ([`Mechanics`](crate::field::Mechanics)): screw,
+//! gear and weight act on it, and motor, brake and bearing on the first one; x follows the second one.
 //!
 //! F opposes positive motion: an external force, linear within a step, and springs. With (4), the force that
 //! accelerates the mass causes no friction of the screw; it is at most 1 % of the accelerating torque.

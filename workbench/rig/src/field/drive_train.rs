@@ -1,7 +1,8 @@
 //! The motor with the torques of the field.
 //!
-//! All torques that oppose the shaft: load, axis or coupling to the load side, bearing, cogging, dry friction, and the change
-//! of the viscous friction since the start of the record. Resistance, viscous friction and slip change once a sample.
+//! All torques that oppose the shaft: load, axis or coupling to the load side, bearing, cogging, dry friction, and the
+//! change of the viscous friction since the start of the record. Resistance, viscous friction and slip change once a
+//! sample. On an axis, the load of friction and pulses includes the weight.
 
 use core::f64::consts::TAU;
 
@@ -83,6 +84,9 @@ impl DriveTrain {
 
     /// Simulates one integration step under a commanded voltage and an external load.
     pub(crate) fn step(&mut self, plant: &mut Plant, command_v: f64, load_nm: f64) {
+        // The weight hardly changes in a step.
+        let weight_nm = self.axis(plant).map(|(axis, angle_rad)| axis.weight_nm(angle_rad));
+        let loaded_nm = weight_nm.map_or(load_nm, |weight| load_nm + weight);
         let Self { torques, load_side, axis, .. } = self;
         let voltage_v = match &torques.values.current_chain {
             Some(chain) => chain.applied_v(command_v, &plant.state(), plant.motor(), plant.electrical()),
@@ -93,10 +97,11 @@ impl DriveTrain {
         plant.step_staged(voltage_v, |stage, at| {
             let loaded = |point: [f64; 2]| {
                 let axis = axis.map_or(Opposing::plain(load_nm), |axis| axis.opposing(point, load_nm));
-                let friction = torques.load_friction_nm(load_nm, point[1]);
+                let friction = torques.load_friction_nm(loaded_nm, point[1]);
                 Opposing { torque_nm: axis.torque_nm + friction, ..axis }
             };
-            let on_motor = torques.at(at, load_nm) + axis.map_or(0.0, |a| a.brake_nm(at.angle_rad, at.velocity_rad_s));
+            let on_motor =
+                torques.at(at, loaded_nm) + axis.map_or(0.0, |a| a.brake_nm(at.angle_rad, at.velocity_rad_s));
             let outside = match load_side {
                 Some(side) => side.stage(stage, at, step_s, loaded),
                 None => {

@@ -13,7 +13,7 @@
 //! c acts only outside the dead zone. f is the resonance of the two inertias without motor and without backlash. The
 //! states of (2) are integrated by the midpoint rule of the motor.
 //!
-//! The load side may have a further inertia ΔJ, which depends on its position. On a stiff shaft, a motor that integrates
+//! The load side may have a further inertia ΔJ that depends on its position. On a stiff shaft, a motor that integrates
 //! J dω/dt = M − T gets (J + ΔJ) dω/dt = M − T_load from the torque
 //!
 //! ```text
