@@ -3,9 +3,9 @@
 //! Lengths are those of the plan; ranges are checked later, except for bytes that select one of a few variants.
 
 use super::{
-    Balance, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Direction, Directions, Discriminant,
+    Blocks, Channel, Classifier, Constants, Covariate, Covariates, Direction, Directions, Discriminant,
     EvidenceConstants, Feature, Field, Forgetting, KNOTS, Lags, Name, Novelty, Projection, Regression, Rise, Sampling,
-    ShaftConstants, TrackedOrder, Tracking,
+    ShaftConstants, TorqueBalance, TrackedOrder, Tracking,
 };
 use crate::plan::{
     Cells, Kind, Layout, Memory, Method, Plan, Presence as _, RegressionLayout, ShaftLayout, Signal, Structure,
@@ -96,7 +96,7 @@ pub(super) fn read<P: Plan>(input: &mut Input<'_>, plan: P) -> Constants<P> {
         regression: P::Regressed::part(layout.regressed() == 1, || read_regression(input, plan)),
         shaft: P::Watched::part(layout.watched() == 1, || ShaftConstants {
             lags: Lags::get(input),
-            balance: Balance::get(input),
+            balance: TorqueBalance::get(input),
             tracking: Tracking {
                 orders: Cells::from_fn(layout.orders(), |_| TrackedOrder::get(input)),
                 blocks: Blocks::get(input),
@@ -127,7 +127,7 @@ fn read_classifier<P: Plan>(input: &mut Input<'_>, plan: P) -> Classifier<P> {
         features: Cells::from_fn(features, |_| Feature::get(input)),
         covariates: Covariates {
             list: Cells::from_fn(layout.covariates as usize, |_| Covariate::get(input)),
-            map: Cells::from_fn(layout.explained(), |_| [input.f32(), input.f32()]),
+            map: Cells::from_fn(layout.covariate_map_len(), |_| [input.f32(), input.f32()]),
         },
         projection: Projection {
             matrix: floats(input, layout.map()),

@@ -4,7 +4,7 @@
 //! It is `const`, so that an exported model has its identity at compile time. Models with other numbers have other
 //! identities, but for one pair in 2³²; names and units are no part of it.
 
-use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
+use super::parts::{ModelView, RegressionView, RunsView, ShaftView};
 use super::sampling::Sampling;
 use crate::decide::NO_MODEL;
 use crate::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
@@ -25,14 +25,14 @@ macro_rules! each {
 /// The number of a model, never [`NO_MODEL`].
 #[doc(hidden)]
 #[must_use]
-pub const fn identity(parts: &Parts<'_>) -> u32 {
+pub const fn identity(parts: &ModelView<'_>) -> u32 {
     let mut output = Output::new(&mut []);
     put(parts, &mut output);
     if output.identity() == NO_MODEL { 1 } else { output.identity() }
 }
 
 /// Appends layout and numbers.
-pub(super) const fn put(parts: &Parts<'_>, output: &mut Output<'_>) {
+pub(super) const fn put(parts: &ModelView<'_>, output: &mut Output<'_>) {
     put_layout(&parts.layout, output);
     let Sampling { interval_s, park, block_mean, segment_samples } = *parts.sampling;
     output.f32(interval_s);
@@ -51,7 +51,7 @@ pub(super) const fn put(parts: &Parts<'_>, output: &mut Output<'_>) {
         output.u16(*stuck_samples);
         channels = rest;
     }
-    if let Some(RegressionParts { scale, nominal, forgetting, rest, settle, handover }) = parts.regression {
+    if let Some(RegressionView { scale, nominal, forgetting, rest, settle, handover }) = parts.regression {
         output.floats(scale);
         output.floats(nominal);
         forgetting.put(output);
@@ -59,7 +59,7 @@ pub(super) const fn put(parts: &Parts<'_>, output: &mut Output<'_>) {
         output.u16(settle);
         output.u16(handover);
     }
-    if let Some(ShaftParts { lags, balance, orders, blocks }) = &parts.shaft {
+    if let Some(ShaftView { lags, balance, orders, blocks }) = &parts.shaft {
         lags.put(output);
         balance.put(output);
         each!(*orders, output);
@@ -126,10 +126,10 @@ const fn put_signal(signal: Option<Signal>, output: &mut Output<'_>) {
     });
 }
 
-const fn put_classifier(parts: &Parts<'_>, output: &mut Output<'_>) {
+const fn put_classifier(parts: &ModelView<'_>, output: &mut Output<'_>) {
     each!(parts.features, output);
     each!(parts.covariates, output);
-    output.floats(parts.explained.as_flattened());
+    output.floats(parts.covariate_map.as_flattened());
     output.floats(parts.map);
     output.floats(parts.feature_means);
     output.floats(parts.usual);
@@ -152,7 +152,7 @@ const fn put_classifier(parts: &Parts<'_>, output: &mut Output<'_>) {
         output.floats(parts.laws.as_flattened().as_flattened());
     }
     if !parts.directions.is_empty() {
-        let RunParts { usual_segments, margin, most_runs } = parts.runs;
+        let RunsView { usual_segments, margin, most_runs } = parts.runs;
         output.floats(&[usual_segments, margin]);
         output.u16(most_runs);
         each!(parts.directions, output);

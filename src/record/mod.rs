@@ -134,7 +134,7 @@ mod tests {
             small: i8 in [-6, 10],
             count: u16,
             numbers: [f32; 2] in [1.0, f32::INFINITY] or Prior,
-            places: [i32; 2] in [1, 7] or BlockMean,
+            indices: [i32; 2] in [1, 7] or BlockMean,
             inner: [Inner; 2],
         }
     }
@@ -143,7 +143,7 @@ mod tests {
         small: -3,
         count: 0x0102,
         numbers: [1.5, 2.0],
-        places: [1, 7],
+        indices: [1, 7],
         inner: [Inner { weight: 0.25, flag: true }, Inner { weight: 0.0, flag: false }],
     };
 
@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(Outer { small: -7, ..OUTER }.check(), Err(Field::Evidence));
         assert_eq!(Outer { numbers: [1.0, f32::NAN], ..OUTER }.check(), Err(Field::Prior));
         assert_eq!(Outer { numbers: [1.0, f32::INFINITY], ..OUTER }.check(), Ok(()));
-        assert_eq!(Outer { places: [8, 1], ..OUTER }.check(), Err(Field::BlockMean));
+        assert_eq!(Outer { indices: [8, 1], ..OUTER }.check(), Err(Field::BlockMean));
         let of = |weight| Inner { weight, flag: false }.check();
         assert_eq!([0.99, 1.0, -0.1, f32::NAN].map(|weight| of(weight).is_ok()), [true, false, false, false]);
         let (mut stored, length) = bytes(&OUTER);
@@ -202,7 +202,7 @@ mod tests {
             Outer { small: -2, ..OUTER },
             Outer { count: 0x0103, ..OUTER },
             Outer { numbers: [2.0, 1.5], ..OUTER },
-            Outer { places: [1, 6], ..OUTER },
+            Outer { indices: [1, 6], ..OUTER },
             Outer { inner: [OUTER.inner[0]; 2], ..OUTER },
         ];
         assert!(others.iter().all(|other| identity(*other) != identity(OUTER)));

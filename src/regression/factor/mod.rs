@@ -16,4 +16,4 @@ pub use memory::{MAX_SEGMENT_ROWS, Sums, longest};
 pub use problem::{Problem, SolveError, Solved, lower};
 pub use solve::Solution;
 pub use triangle::{Row, Triangle};
-pub use weight::{Forgetting, MAX_LAMBDA, Mass, NEVER};
+pub use weight::{EffectiveRows, Forgetting, MAX_LAMBDA, NEVER};

@@ -144,7 +144,7 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: 
         plan.extend(["Memory", "Method", "RegressionLayout", "Structure"]);
     }
     if let Some(shaft) = layout.shaft {
-        model.extend(["Balance", "Blocks", "Lags", "ShaftConstants", "StateVariable", "Tracking"]);
+        model.extend(["TorqueBalance", "Blocks", "Lags", "ShaftConstants", "StateVariable", "Tracking"]);
         model.extend((shaft.orders > 0).then_some("TrackedOrder"));
         plan.push("ShaftLayout");
     }
