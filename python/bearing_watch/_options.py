@@ -149,7 +149,9 @@ class Simulate(TypedDict, total=False):
 
     rig: Literal["dc", "ema"]
     severity: float
-    condition: str
+    condition: Union[str, Sequence[str]]
+    ratio: float
+    weight: float
     waveform: str
     angle_bits: int
     race: str

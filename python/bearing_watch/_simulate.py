@@ -40,7 +40,7 @@ def simulate(
     seed : int
         Sets of different seeds never share a trace.
     **options
-        The options of the command: ``rig="ema"``, ``severity=0.5``, ``condition="mix"``, ``waveform="square"`` …
+        The options of the command: ``rig="ema"``, ``severity=0.5``, ``condition="mix"``, ``condition=["gravity", "cycle"]``, ``waveform="square"`` …
 
     Returns
     -------

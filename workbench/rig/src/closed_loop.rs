@@ -17,6 +17,8 @@
 
 use core::f64::consts::TAU;
 
+use super::axis::brake::Watch;
+use super::axis::{self, AxisColumns, AxisLoad, Payloads};
 use super::field::{Clock, Constants, DriveTrain, FieldValues, LoadMeasurement, LoadSensorValues, Profile};
 use super::sensors::Sensors;
 use super::trace::Row;
@@ -76,7 +78,7 @@ impl Shaft {
         plant.set_state(start);
         let mut filter = CurrentFilter::new(step_s);
         filter.settle(start.current_a);
-        let in_field = scenario.field != super::Field::NONE;
+        let in_field = scenario.field != super::Field::NONE || scenario.axis.is_some();
         let field = in_field.then(|| DriveTrain::new(scenario, values, &motor, start, seed)).transpose()?;
         let defect = scenario.defect.torque(motor.kt_nm_per_a, &scenario.bearing)?;
         Ok(Self { plant, filter, defect, inner_steps, field })
@@ -118,6 +120,41 @@ fn start(motor: &MotorParameters, velocity_rad_s: f64, seed: u64) -> PlantState 
     }
 }
 
+/// The same on an axis, whose weight the current holds.
+fn start_on(axis: &AxisOfRecord, motor: &MotorParameters, state: PlantState) -> PlantState {
+    let angle_rad = axis.start_rad;
+    let hold_a = axis.at_start.weight_nm(angle_rad) / motor.kt_nm_per_a;
+    PlantState { current_a: state.current_a + hold_a, angle_rad, ..state }
+}
+
+/// What an axis changes from sample to sample.
+#[derive(Debug)]
+struct AxisOfRecord {
+    ratio: f64,
+    /// Angle of the motor at the start, after `turns_rad` of whole turns that are not recorded.
+    start_rad: f64,
+    turns_rad: f64,
+    at_start: AxisLoad,
+    payloads: Payloads,
+    brake: Option<Watch>,
+}
+
+impl AxisOfRecord {
+    fn new(scenario: &Scenario, motor: &MotorParameters, profile: &Profile, seed: u64) -> Option<Self> {
+        let axis = scenario.axis?;
+        let [phi, turns] = axis::start(scenario.duty.motion(), seed);
+        let end_s = scenario.samples as f64 * scenario.sample_time_s;
+        Some(Self {
+            ratio: axis.ratio,
+            start_rad: axis.ratio * phi + TAU * turns,
+            turns_rad: TAU * turns,
+            at_start: super::field::axis(scenario, motor, seed)?,
+            payloads: Payloads::draw(&axis, &profile.rests_s(), end_s, seed),
+            brake: axis.brake.map(|_| Watch::default()),
+        })
+    }
+}
+
 /// Number of equal steps of at most `longest_s` in a sampling interval.
 #[expect(
     clippy::cast_possible_truncation,
@@ -134,6 +171,7 @@ pub(super) fn inner_steps(sample_time_s: f64, longest_s: f64) -> u32 {
 #[derive(Debug)]
 struct Experiment {
     profile: Profile,
+    axis: Option<AxisOfRecord>,
     shaft: Shaft,
     sensors: Sensors,
     control: VelocityLoop,
@@ -143,9 +181,12 @@ impl Experiment {
     fn new(scenario: &Scenario, values: &FieldValues, seed: u64) -> Result<Self, RigError> {
         let profile = Profile::draw(scenario, seed);
         let motor = motor(scenario, values);
+        let axis = AxisOfRecord::new(scenario, &motor, &profile, seed);
         let start = start(&motor, profile.initial_rad_s(scenario), seed);
+        let start = axis.as_ref().map_or(start, |axis| start_on(axis, &motor, start));
         Ok(Self {
             profile,
+            axis,
             shaft: Shaft::new(scenario, values, start, seed)?,
             sensors: Sensors::new(scenario, values, start.velocity_rad_s, seed),
             control: VelocityLoop::new(scenario, &motor, &start),
@@ -153,22 +194,48 @@ impl Experiment {
     }
 
     /// Measures at time `t_s`, `interval_s` after the last sample, and decides on the next voltage.
-    fn row(&mut self, scenario: &Scenario, [t_s, interval_s]: [f64; 2], load_nm: f64) -> Result<Row, RigError> {
+    fn row(
+        &mut self,
+        scenario: &Scenario,
+        [t_s, interval_s]: [f64; 2],
+        load_nm: f64,
+        columns: &mut AxisColumns,
+    ) -> Result<Row, RigError> {
         let state = self.shaft.plant.state();
         let seen = self.sensors.measure(&state, self.shaft.filter.output_a(), interval_s);
         if !(self.shaft.plant.is_finite() && seen.current_a.is_finite()) {
             return Err(RigError::Diverged { t_s });
         }
         let reference = self.profile.at(scenario, t_s);
-        Ok(Row {
+        let mut row = Row {
             t_s,
             velocity_ref_rad_s: reference,
             velocity_rad_s: seen.velocity_rad_s,
             current_a: seen.current_a,
             load_torque_nm: load_nm,
             angle_rad: seen.angle_rad,
-            voltage_v: self.control.voltage_v(reference - seen.velocity_rad_s),
-        })
+            voltage_v: 0.0,
+        };
+        if !self.on_axis(&mut row, interval_s, columns) {
+            row.voltage_v = self.control.voltage_v(reference - seen.velocity_rad_s);
+        }
+        Ok(row)
+    }
+
+    /// Sets payload and brake of the axis and records them. Returns whether the brake is closed.
+    fn on_axis(&mut self, row: &mut Row, interval_s: f64, columns: &mut AxisColumns) -> bool {
+        let Some(of_record) = &mut self.axis else { return false };
+        let resting = row.velocity_ref_rad_s == 0.0;
+        let closed = of_record.brake.as_mut().is_some_and(|brake| brake.closed(resting, interval_s));
+        let Shaft { plant, field, .. } = &mut self.shaft;
+        if let Some((axis, angle_rad)) = field.as_mut().and_then(|field| field.axis(plant)) {
+            axis.set_payload(of_record.payloads.at(row.t_s));
+            axis.set_brake(closed, plant.state().angle_rad);
+            row.load_torque_nm += axis.weight_nm(angle_rad);
+            columns.push(of_record.ratio, axis, angle_rad, closed);
+        }
+        row.angle_rad -= of_record.turns_rad;
+        closed
     }
 }
 
@@ -185,7 +252,7 @@ pub fn simulate(scenario: &Scenario, seed: u64) -> Result<RigTrace, RigError> {
     let mut load = scenario.load_at(0.0) + fluctuation.draw();
     let [mut t_s, mut interval_s] = [0.0, scenario.sample_time_s];
     for k in 1..=scenario.samples {
-        let row = experiment.row(scenario, [t_s, interval_s], load)?;
+        let row = experiment.row(scenario, [t_s, interval_s], load, &mut trace.axis)?;
         trace.push(row);
         [t_s, interval_s] = clock.advance(k);
         let next_load = scenario.load_at(t_s) + fluctuation.draw();

@@ -4,6 +4,7 @@
 //! Factors multiply the values of the scenario, so a condition can be applied to any scenario; physical values in the
 //! comments below are those of [`Scenario::STANDARD`].
 
+use super::axis::Axis;
 use super::field::{Duty, Field};
 use super::{Scenario, SignalLevels, Waveform};
 
@@ -38,6 +39,8 @@ pub struct Condition {
     pub field: Option<&'static Field>,
     /// Kind of the reference, if changed.
     pub duty: Option<Duty>,
+    /// The axis of a machine, if the motor moves one.
+    pub axis: Option<&'static Axis>,
     /// If true, each trace additionally draws random conditions, see [`Scenario::mixed`].
     pub mixed: bool,
 }
@@ -57,6 +60,7 @@ impl Condition {
         signal_to_noise_db: None,
         field: None,
         duty: None,
+        axis: None,
         mixed: false,
     };
 
@@ -167,10 +171,10 @@ impl Condition {
         },
     ];
 
-    /// All conditions: those of this module, and then [`Condition::FIELD`].
+    /// All conditions: those of this module, and then [`Condition::FIELD`] and [`Condition::AXES`].
     pub fn all() -> impl Iterator<Item = Self> {
         let shifts = Self::EXCITATION.into_iter().chain(Self::LOAD).chain(Self::RESISTANCE);
-        [Self::STANDARD, Self::MIX].into_iter().chain(shifts).chain(Self::NOISE).chain(Self::FIELD)
+        [Self::STANDARD, Self::MIX].into_iter().chain(shifts).chain(Self::NOISE).chain(Self::FIELD).chain(Self::AXES)
     }
 
     /// The condition with this name.
@@ -194,6 +198,9 @@ impl Condition {
         if let Some(decibels) = self.signal_to_noise_db {
             changed = changed.with_signal_to_noise(SignalLevels::STANDARD, decibels);
         }
+        if let Some(axis) = self.axis {
+            changed = changed.with_axis(*axis);
+        }
         if self.mixed { changed.mixed(seed) } else { changed }
     }
 }
@@ -209,7 +216,7 @@ mod tests {
     #[test]
     fn names_and_numbers_are_distinct() {
         let all: Vec<Condition> = Condition::all().collect();
-        assert_eq!(all.len(), 18 + 26);
+        assert_eq!(all.len(), 18 + 26 + 5);
         for (k, one) in all.iter().enumerate() {
             assert_eq!(Condition::named(one.name), Some(*one));
             for other in &all[..k] {

@@ -22,9 +22,11 @@
 //! | [`closed_loop`] | the closed loop of all parts |
 //! | [`trace`] | the recorded trace |
 //! | [`field`] | effects that drives in the field have and the standard rig does not have |
+//! | [`axis`] | an axis of a machine: weight, gear, belt, brake, cycles |
 //! | [`levels`] | signal levels, and noise for a given signal-to-noise ratio |
 //! | [`conditions`] | named changes of a scenario: excitation, load, motor or noise; severities |
 //! | [`field_conditions`] | named conditions for the effects of the field |
+//! | [`axis_conditions`] | named conditions of axes |
 //! | [`ema`] | the other rig: an electromechanical actuator |
 //!
 //! All values are `f64`, and sines and hyperbolic tangents are computed by `libm`, so that a seed produces the same
@@ -44,6 +46,8 @@
 //! # Ok::<(), bearing_watch_rig::RigError>(())
 //! ```
 
+pub mod axis;
+pub mod axis_conditions;
 pub mod bearing;
 pub mod closed_loop;
 pub mod conditions;
@@ -59,6 +63,7 @@ mod sensors;
 pub mod trace;
 pub mod waveform;
 
+pub use axis::{Axis, AxisPart};
 pub use bearing::{BearingGeometry, BearingOrders, Defect, DefectKind, DefectTorque};
 pub use closed_loop::simulate;
 pub use conditions::{Condition, SEVERITIES};

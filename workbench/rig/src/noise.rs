@@ -83,6 +83,14 @@ pub enum Stream {
     PositionNoise,
     /// Noise of the angle measurement.
     ResolverNoise,
+    /// Position of an axis at the start.
+    Axis,
+    /// Payload of an axis.
+    AxisPayload,
+    /// Friction and ripple of a gear.
+    Gear,
+    /// Moves and rests of a machine.
+    Cycle,
 }
 
 impl Stream {
@@ -114,6 +122,10 @@ impl Stream {
             Self::TemperatureSensor => 23,
             Self::PositionNoise => 24,
             Self::ResolverNoise => 25,
+            Self::Axis => 26,
+            Self::AxisPayload => 27,
+            Self::Gear => 28,
+            Self::Cycle => 29,
         }
     }
 }

@@ -4,6 +4,7 @@
 
 use core::f64::consts::TAU;
 
+use super::axis::Axis;
 use super::field::{Drive, Duty, Field};
 use super::{
     BearingGeometry, Defect, MotorParameters, NoiseSource, RigError, Stream, TABLE_2_3, Waveform, finite, not_negative,
@@ -51,6 +52,8 @@ pub struct Scenario {
     pub defect: Defect,
     /// Effects of the field.
     pub field: Field,
+    /// The axis of a machine that the motor moves; `None` if the load acts on the shaft.
+    pub axis: Option<Axis>,
     /// The drive and the day, if several records belong to one drive; `None` if each record is a drive of its own.
     pub drive: Option<Drive>,
 }
@@ -77,6 +80,7 @@ impl Scenario {
         bearing: BearingGeometry::THESIS,
         defect: Defect::HEALTHY,
         field: Field::NONE,
+        axis: None,
         drive: None,
     };
 
@@ -129,6 +133,7 @@ impl Scenario {
             within("angle_bits", f64::from(bits), [1.0, 30.0])?;
         }
         self.bearing.validate()?;
+        self.axis.map_or(Ok(()), |axis| axis.validate())?;
         self.field.validate(self.sample_time_s)
     }
 

@@ -1,5 +1,7 @@
 //! The recorded trace.
 
+use super::axis::AxisColumns;
+
 /// One recording: columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RigTrace {
@@ -19,6 +21,8 @@ pub struct RigTrace {
     pub voltage_v: Vec<f64>,
     /// Measured temperature of the lubricant; empty if the rig has no temperature effect.
     pub temperature_c: Vec<f64>,
+    /// What the axis was; empty without an axis.
+    pub axis: AxisColumns,
     /// Whether there is no load sensor: a recording then has no column of the load.
     pub no_load_sensor: bool,
 }
@@ -47,6 +51,7 @@ impl RigTrace {
             angle_rad: column(),
             voltage_v: column(),
             temperature_c: Vec::new(),
+            axis: AxisColumns::default(),
             no_load_sensor: false,
         }
     }
@@ -101,6 +106,7 @@ impl RigTrace {
         ];
         columns.retain(|(name, _)| !(self.no_load_sensor && *name == "load_torque_nm"));
         columns.retain(|(name, column)| !(column.is_empty() && *name == "temperature_c"));
+        columns.extend(self.axis.recorded());
         columns
     }
 

@@ -130,6 +130,7 @@ fn bad_input_is_refused() {
     refuse(dir, "tables --repetitions 1 --only 4.1 --out absent/t.csv", &["absent"]);
     refuse(dir, "tables --repetitions 1 --only 4.1 --out t.x --report t.x", &["two outputs"]);
     refuse(dir, "campaign --field --only slipp", &["no row slipp; there are mix, temperature"]);
+    refuse(dir, "campaign --field --limits --healthy 5", &["cannot be used with"]);
     refuse(dir, "campaign --field --features drag_scores", &["no drag_scores in this model"]);
     refuse(dir, "campaign --only slip", &["no row slip; there are standard, mix, amplitude-0.5"]);
     refuse(dir, "campaign --ema --only mix", &["cannot be used with"]);

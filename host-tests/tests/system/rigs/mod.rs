@@ -1,5 +1,7 @@
-//! The simulated DC motor against closed forms and another simulator, and the torques that turn with its rotor.
+//! The simulated rigs against closed forms, other integrators and another simulator, and the torques that turn with the
+//! rotor.
 
+mod axis;
 mod cogging;
 mod dc_motor_recordings;
 mod dc_motor_rig;

@@ -18,11 +18,15 @@ use studies::simulation::{Set, Simulation, Table};
   bearing-watch simulate --class spall,weak-magnet --severity 0.5 --condition frequency-2 --seed 2 --out other
   bearing-watch simulate --class healthy --condition mix --waveform square --seed 3 --out traces
   bearing-watch simulate --class healthy,spall --condition field-duties --seed 4 --out field
+  bearing-watch simulate --class healthy,spall --condition gravity,gear,brake,cycle --ratio 100 --seed 5 --out arm
   bearing-watch simulate --rig ema --class healthy,spall-and-roughness --condition moog-1-mix --out moog
 
 Names of traces tell class, severity (unless 1), condition (unless standard), waveform (where it is not a sine) and \
 seed. Missing samples are NaN in all columns but t_s; without a load sensor there is no column \
 load_torque_nm, and only with an effect of the temperature is there temperature_c. \
+Parts of an axis (gravity, gear, belt, brake, payload-steps, cycle, any-cycle) combine, on top of mix or of one other \
+condition. They have no load sensor, unless the other condition has one with errors, and the columns ratio, axis_rad, \
+weight_nm (at the motor), payload (1 nominal) and brake_closed say what the axis was; a drive knows the first two. \
 The same seed draws the same noise under every condition; take another one for traces to validate on.
 
 Traces of the EMA rig start with ema (ema-outer for a spall of the outer race). They have the position command and the \
@@ -53,7 +57,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Error> {
         bar.inc(1);
         let severity = if kind == DefectKind::Healthy { 0.0 } else { options.severity };
         let [severity, seed] = [severity.to_string(), options.seed.to_string()];
-        Ok([name, kind.name().into(), severity, seed, set.condition().into(), simulated.shape.into()])
+        Ok([name, kind.name().into(), severity, seed, set.condition().to_string(), simulated.shape.into()])
     };
     let rows = set.jobs().into_par_iter().map(each).collect::<Result<Vec<_>, Error>>()?;
     bar.finish_and_clear();

@@ -129,6 +129,50 @@ fn conditions_of_the_field_have_their_columns_and_labels() {
 }
 
 #[test]
+fn parts_of_an_axis_combine_and_say_what_the_axis_was() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    for options in [
+        "--condition gravity,gear,brake,cycle --ratio 100 --weight 0.2",
+        "--condition bad-load-sensor,belt,any-cycle",
+        "--rig ema --condition gravity,belt,cycle",
+    ] {
+        succeed(dir, &format!("simulate --class healthy --count 1 --seed 4 {options} --out t"));
+    }
+    let lines = |name: &str| {
+        let text = std::fs::read_to_string(dir.join("t").join(name)).expect("trace");
+        let head: Vec<String> = text.lines().next().expect("head").split(',').map(String::from).collect();
+        let rows: Vec<Vec<f64>> = text
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').map(|cell| cell.parse().expect("number")).collect())
+            .collect();
+        (head, rows)
+    };
+    let (head, rows) = lines("healthy_gravity+gear+brake+cycle_4_000.csv");
+    let motor = "t_s,velocity_ref_rad_s,velocity_rad_s,current_a,angle_rad,voltage_v";
+    assert_eq!(head.join(","), format!("{motor},ratio,axis_rad,weight_nm,payload,brake_closed"));
+    let column = |name: &str| head.iter().position(|own| own == name).expect("column");
+    let [ratio, axis, weight, payload] = ["ratio", "axis_rad", "weight_nm", "payload"].map(column);
+    for row in &rows {
+        assert_eq!(row[ratio], 100.0);
+        // Nine digits in files.
+        let expected = 0.2 * (row[payload] - 0.3) * row[axis].sin();
+        assert!((row[weight] - expected).abs() < 1e-8 && (0.7..1.3).contains(&row[payload]), "{row:?}");
+    }
+    // A sensor with errors stays, and this axis has no weight.
+    let (head, rows) = lines("healthy_bad-load-sensor+belt+any-cycle_4_000.csv");
+    assert!(head.contains(&"load_torque_nm".into()));
+    assert!(rows.iter().all(|row| row[head.len() - 3] == 0.0), "weight");
+    let (head, _) = lines("ema_healthy_gravity+belt+cycle_4_000.csv");
+    assert!(head.iter().all(|name| !name.starts_with("load_") && name != "axis_rad"), "{head:?}");
+    assert!(head.ends_with(&["ratio", "weight_nm", "payload", "brake_closed"].map(String::from)), "{head:?}");
+    let labels = labels(&dir.join("t"));
+    assert_eq!(labels[1], "healthy_gravity+gear+brake+cycle_4_000.csv,healthy,0,4,gravity+gear+brake+cycle,cycle");
+    assert_eq!(labels[3], "ema_healthy_gravity+belt+cycle_4_000.csv,healthy,0,4,gravity+belt+cycle,cycle");
+}
+
+#[test]
 fn help_has_examples_and_every_name() {
     let folder = tempfile::tempdir().expect("folder");
     let help = succeed(folder.path(), "simulate --help");
@@ -141,6 +185,8 @@ fn help_has_examples_and_every_name() {
         "frequency-0.5",
         "noise-20-db",
         "triangle",
+        "payload-steps",
+        "--ratio",
     ] {
         assert!(help.contains(words), "{words}\n{help}");
     }
@@ -158,6 +204,16 @@ fn what_cannot_be_simulated_is_one_line() {
         ("--class healthy --condition duty-any --waveform sine --out s", ["--condition duty-any", "--waveform"]),
         ("--class healthy --condition square --mix --out s", ["--mix", "cannot be used"]),
         ("--class weak-magnet --severity 20 --out s", ["kt_nm_per_a", "positive"]),
+        ("--class healthy --condition mix,temperature --out s", ["only the parts of an axis combine", "leave out one"]),
+        ("--class healthy --condition gear,gear --out s", ["names gear twice", "--condition"]),
+        ("--class healthy --condition cycle,any-cycle --out s", ["one motion", "leave out one"]),
+        ("--class healthy --condition duty-steps,cycle --out s", ["--condition duty-steps", "leave out the cycle"]),
+        ("--class healthy --condition cycle --waveform sine --out s", ["--condition cycle", "--waveform"]),
+        ("--class healthy --condition axis-0.4,gear --out s", ["axis-0.4 is an axis already", "leave out"]),
+        ("--class healthy --condition gear --ratio 200 --out s", ["axis.ratio", "between 1 and 160"]),
+        ("--class healthy --condition mix --ratio 5 --out s", ["--ratio", "for example gear"]),
+        ("--class healthy --condition gear --weight 1 --out s", ["--weight", "add gravity"]),
+        ("--class healthy --condition gravity --weight -1 --out s", ["axis.gravity.weight_nm", "negative"]),
         ("--class healthy --count 0 --out s", ["--count 0", "at least 1"]),
     ] {
         refuse(dir, &format!("simulate {options}"), &words);

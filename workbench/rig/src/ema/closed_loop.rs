@@ -11,12 +11,15 @@
 //! A record starts at rest at the mean of the command, at an angle drawn over ten turns, with the current that holds
 //! the load.
 
+use super::super::axis::brake::Watch;
+use super::super::axis::cycle::{Path, rests};
+use super::super::axis::{Axis, AxisColumns, Payloads};
 use super::super::closed_loop::{START_ANGLE_RAD, inner_steps};
 use super::super::{NoiseSource, RigError, Stream};
 use super::load::ExternalForce;
 use super::sensors::EmaSensors;
 use super::trace::Row;
-use super::{Controller, DqVoltage, EmaPlant, EmaScenario, EmaTrace, Feedback};
+use super::{Commands, Controller, DqVoltage, EmaPlant, EmaScenario, EmaTrace, Feedback};
 
 /// Longest integration step; a control interval is divided into equal steps that are not longer.
 const INNER_STEP_S: f64 = 1.0 / 24_000.0;
@@ -28,8 +31,40 @@ pub(super) struct Experiment {
     controller: Controller,
     sensors: EmaSensors,
     force: ExternalForce,
+    path: Option<Path>,
+    axis: Option<AxisOfRecord>,
     inner_steps: u32,
     interval_s: f64,
+}
+
+/// What an axis changes from interval to interval.
+#[derive(Debug)]
+struct AxisOfRecord {
+    ratio: f64,
+    payloads: Payloads,
+    brake: Option<Watch>,
+    /// The last command, which does not change at rest.
+    command_m: f64,
+    closed: bool,
+}
+
+impl AxisOfRecord {
+    fn new(axis: &Axis, payloads: Payloads) -> Self {
+        let brake = axis.brake.map(|_| Watch::default());
+        Self { ratio: axis.ratio, payloads, brake, command_m: f64::NAN, closed: false }
+    }
+
+    /// Sets payload and brake at time `t_s` under a position command.
+    fn set(&mut self, plant: &mut EmaPlant, [t_s, interval_s]: [f64; 2], command_m: f64) {
+        let resting = command_m == self.command_m;
+        self.command_m = command_m;
+        self.closed = self.brake.as_mut().is_some_and(|brake| brake.closed(resting, interval_s));
+        let angle_rad = plant.state().angle_rad;
+        if let Some(axis) = plant.axis_mut() {
+            axis.set_payload(self.payloads.at(t_s));
+            axis.set_brake(self.closed, angle_rad);
+        }
+    }
 }
 
 impl Experiment {
@@ -44,10 +79,21 @@ impl Experiment {
         let mut force = ExternalForce::new(scenario.load, scenario.load_fluctuation_n, source);
         let angle_rad = NoiseSource::new(seed, Stream::StartAngle).uniform(0.0, START_ANGLE_RAD);
         plant.hold(angle_rad, scenario.offset_m, force.at(0.0));
+        let cycles = scenario.cycles(seed);
+        let axis = scenario.axis.map(|axis| {
+            let rests = cycles.as_deref().map(rests).unwrap_or_default();
+            let end_s = scenario.rows as f64 * scenario.row_interval_s();
+            let payloads = Payloads::draw(&axis, &rests, end_s, seed);
+            let source = |stream| NoiseSource::new(seed, stream);
+            let values = axis.transmission.map(|own| own.draw(source(Stream::Payload), source(Stream::Mechanics)));
+            plant.drive_axis(&axis, values.as_ref(), payloads.at(0.0), source(Stream::Gear));
+            AxisOfRecord::new(&axis, payloads)
+        });
+        let path = cycles.map(Path::new);
         let mut controller = Controller::new(&scenario.drive, &scenario.actuator);
         controller.hold(plant.state().quadrature_a, warm.r_ohm);
         let sensors = EmaSensors::new(&scenario.sensors, &scenario.actuator, seed);
-        Ok(Self { plant, controller, sensors, force, inner_steps, interval_s })
+        Ok(Self { plant, controller, sensors, force, path, axis, inner_steps, interval_s })
     }
 
     /// Measures at time `t_s` and decides on the voltage of the interval. Returns the row and the applied voltage (1).
@@ -57,14 +103,21 @@ impl Experiment {
             return Err(RigError::Diverged { t_s });
         }
         let seen = self.sensors.measure(&state);
-        let position_ref_m = scenario.position_ref_m(t_s);
+        let position_ref_m = scenario.position_ref_m(self.path.as_ref(), t_s);
+        if let Some(axis) = &mut self.axis {
+            axis.set(&mut self.plant, [t_s, self.interval_s], position_ref_m);
+        }
         let feedback = Feedback {
             position_m: seen.position_m,
             velocity_rad_s: seen.velocity_rad_s,
             direct_a: seen.direct_a,
             quadrature_a: seen.quadrature_a,
         };
-        let commands = self.controller.update(position_ref_m, &feedback);
+        let commands = if self.axis.as_ref().is_some_and(|axis| axis.closed) {
+            Commands { velocity_ref_rad_s: 0.0, current_ref_a: 0.0, voltage: DqVoltage::default() }
+        } else {
+            self.controller.update(position_ref_m, &feedback)
+        };
         let DqVoltage { d_v, q_v } = commands.voltage;
         let [cos, sin] = seen.misalignment;
         let applied = DqVoltage { d_v: d_v * cos - q_v * sin, q_v: d_v * sin + q_v * cos }; // (1)
@@ -86,6 +139,14 @@ impl Experiment {
             voltage_q_v: q_v,
         };
         Ok((row, applied))
+    }
+
+    /// Adds a row that says what the axis is.
+    fn describe_axis(&mut self, columns: &mut AxisColumns) {
+        let angle_rad = self.plant.screw_rad();
+        if let Some((own, axis)) = self.axis.as_ref().zip(self.plant.axis_mut()) {
+            columns.push(own.ratio, axis, angle_rad, own.closed);
+        }
     }
 
     /// Simulates the interval from `t_s`. `watch` sees the external force at the start and at the end of each step, and
@@ -116,6 +177,7 @@ pub fn simulate(scenario: &EmaScenario, seed: u64) -> Result<EmaTrace, RigError>
         if k.is_multiple_of(every) {
             let kept = held.filter(|_| !(k / every).is_multiple_of(hold)).unwrap_or(row);
             trace.push(t_s, &kept);
+            experiment.describe_axis(&mut trace.axis);
             held = Some(kept);
         }
         if trace.len() == scenario.rows {

@@ -17,6 +17,10 @@
 //! F = F_ext(t) + k_e x                                                           (5)
 //! ```
 //!
+//! On an axis of a machine, F_s includes the weight, and gear and brake oppose the motor ([`axis`](crate::axis)).
+//! Behind a belt is a second inertia with its own angle and velocity ([`Mechanics`](crate::field::Mechanics)): screw,
+//! gear and weight act on it, and motor, brake and bearing on the first one; x follows the second one.
+//!
 //! F opposes positive motion: an external force, linear within a step, and springs. With (4), the force that
 //! accelerates the mass causes no friction of the screw; it is at most 1 % of the accelerating torque.
 //!
@@ -25,8 +29,11 @@
 //! smoothed friction, at most 0.12 a step of 1/24 000 s: the error of a step is (0.12)⁵/5! = 2e-7, and no implicit rule
 //! is necessary.
 
+use super::super::axis::{Axis, AxisLoad, Travel};
 use super::super::bearing::direction;
-use super::super::{BearingGeometry, RigError, positive};
+use super::super::field::{LoadSide, MechanicsValues};
+use super::super::{BearingGeometry, NoiseSource, PlantState, RigError, positive};
+use super::scenario::STROKE_M;
 use super::{Actuator, EmaDefect, Pulses};
 
 /// Voltage in the rotor frame.
@@ -51,6 +58,10 @@ pub struct EmaState {
     pub angle_rad: f64,
     /// Position x of the mass.
     pub position_m: f64,
+    /// Angle behind a belt; zero without one.
+    pub load_rad: f64,
+    /// Velocity behind a belt; zero without one.
+    pub load_rad_s: f64,
 }
 
 impl EmaState {
@@ -62,6 +73,8 @@ impl EmaState {
             velocity_rad_s: self.velocity_rad_s + h * slope.velocity_rad_s,
             angle_rad: self.angle_rad + h * slope.angle_rad,
             position_m: self.position_m + h * slope.position_m,
+            load_rad: self.load_rad + h * slope.load_rad,
+            load_rad_s: self.load_rad_s + h * slope.load_rad_s,
         }
     }
 
@@ -73,6 +86,7 @@ impl EmaState {
             && self.velocity_rad_s.is_finite()
             && self.angle_rad.is_finite()
             && self.position_m.is_finite()
+            && self.load_rad_s.is_finite()
     }
 }
 
@@ -89,6 +103,8 @@ pub struct EmaPlant {
     screw_friction: f64,
     /// Position of the nut at angle zero.
     origin_m: f64,
+    axis: Option<AxisLoad>,
+    belt: Option<LoadSide>,
     state: EmaState,
 }
 
@@ -120,6 +136,8 @@ impl EmaPlant {
             inertia_kg_m2: actuator.inertia_kg_m2(),
             screw_friction: actuator.screw_friction(),
             origin_m: 0.0,
+            axis: None,
+            belt: None,
             state: EmaState::default(),
         })
     }
@@ -134,6 +152,40 @@ impl EmaPlant {
             position_m,
             ..EmaState::default()
         };
+    }
+
+    /// Makes the nut move an axis with this payload, behind a belt if there is a transmission, and holds its weight at
+    /// rest.
+    pub(super) fn drive_axis(
+        &mut self,
+        axis: &Axis,
+        values: Option<&MechanicsValues>,
+        payload: f64,
+        gear: NoiseSource,
+    ) {
+        let travel = Travel::linear(self.metres_per_rad, STROKE_M);
+        let middle_rad = -self.origin_m / self.metres_per_rad;
+        let mut load = AxisLoad::new(axis, travel, [middle_rad, self.inertia_kg_m2], gear);
+        load.set_payload(payload);
+        let held_nm = self.kt_nm_per_a * self.state.quadrature_a + load.weight_nm(self.state.angle_rad);
+        self.state.quadrature_a = held_nm / self.kt_nm_per_a;
+        self.belt = values.map(|values| {
+            let mut belt = LoadSide::new(values, self.inertia_kg_m2, &PlantState::default());
+            belt.hold(self.state.angle_rad, held_nm);
+            self.state.load_rad = belt.angle_rad();
+            belt
+        });
+        self.axis = Some(load);
+    }
+
+    /// The axis, if there is one.
+    pub(super) const fn axis_mut(&mut self) -> Option<&mut AxisLoad> {
+        self.axis.as_mut()
+    }
+
+    /// The angle of the screw.
+    pub(super) const fn screw_rad(&self) -> f64 {
+        if self.belt.is_some() { self.state.load_rad } else { self.state.angle_rad }
     }
 
     /// The actuator with its defect.
@@ -156,7 +208,8 @@ impl EmaPlant {
     /// The force (5) that opposes positive motion.
     #[must_use]
     pub fn load_n(&self, external_n: f64) -> f64 {
-        external_n + self.springs_n_per_m * self.state.position_m // (5)
+        let force_n = external_n + self.springs_n_per_m * self.state.position_m; // (5)
+        self.axis.map_or(force_n, |axis| force_n + axis.weight_nm(self.screw_rad()) / self.metres_per_rad)
     }
 
     /// Simulates one step with the voltage held in the rotor frame; `external_n` is F_ext at its start and at its end.
@@ -171,7 +224,10 @@ impl EmaPlant {
         let sum = k1.plus(2.0, &k2).plus(2.0, &k3).plus(1.0, &k4);
         self.state = x.plus(h / 6.0, &sum);
         // Exact (4), without the rounding of a sum over millions of steps.
-        self.state.position_m = self.origin_m + self.metres_per_rad * self.state.angle_rad;
+        self.state.position_m = self.origin_m + self.metres_per_rad * self.screw_rad();
+        if let Some(axis) = &mut self.axis {
+            axis.settle(self.state.angle_rad);
+        }
     }
 
     /// Equations (1)–(5).
@@ -180,18 +236,50 @@ impl EmaPlant {
         let n = self.metres_per_rad;
         let electrical = f64::from(a.pole_pairs) * x.velocity_rad_s;
         let screw_n = external_n + self.springs_n_per_m * x.position_m; // (4), (5)
-        let dry = a.coulomb_nm + self.pulses.at(x.angle_rad) + self.screw_friction * n * screw_n.abs();
-        let friction = a.viscous_nm_s_per_rad * x.velocity_rad_s + direction(x.velocity_rad_s) * dry;
+        let [acceleration, load_rad_s, load_acceleration] = self.accelerations(x, screw_n);
         EmaState {
             direct_a: (voltage.d_v - a.r_ohm * x.direct_a) / a.l_h + electrical * x.quadrature_a, // (1)
             quadrature_a: (voltage.q_v - a.r_ohm * x.quadrature_a - electrical * a.flux_wb) / a.l_h
                 - electrical * x.direct_a, // (2)
-            velocity_rad_s: (self.kt_nm_per_a * x.quadrature_a - friction - n * screw_n) / self.inertia_kg_m2, // (3)
+            velocity_rad_s: acceleration,
             angle_rad: x.velocity_rad_s,
-            position_m: n * x.velocity_rad_s, // (4)
+            position_m: n * if self.belt.is_some() { load_rad_s } else { x.velocity_rad_s }, // (4)
+            load_rad: load_rad_s,
+            load_rad_s: load_acceleration,
         }
+    }
+
+    /// Acceleration of the motor (3), and velocity and acceleration behind the belt; `screw_n` is F_s without weight.
+    fn accelerations(&self, x: &EmaState, screw_n: f64) -> [f64; 3] {
+        let a = &self.actuator;
+        let n = self.metres_per_rad;
+        let driving = self.kt_nm_per_a * x.quadrature_a;
+        let dry = a.coulomb_nm + self.pulses.at(x.angle_rad);
+        let viscous = a.viscous_nm_s_per_rad * x.velocity_rad_s;
+        let Some(axis) = &self.axis else {
+            let friction = viscous + direction(x.velocity_rad_s) * (dry + self.screw_friction * n * screw_n.abs());
+            return [(driving - friction - n * screw_n) / self.inertia_kg_m2, 0.0, 0.0]; // (3)
+        };
+        let brake = axis.brake_nm(x.angle_rad, x.velocity_rad_s);
+        let motor = driving - viscous - direction(x.velocity_rad_s) * dry - brake;
+        let opposing = |[angle_rad, velocity_rad_s]: [f64; 2]| {
+            let load = axis.opposing([angle_rad, velocity_rad_s], n * screw_n);
+            let screw = self.screw_friction * (n * screw_n + axis.weight_nm(angle_rad)).abs();
+            [load.torque_nm + direction(velocity_rad_s) * screw, load.added_kg_m2]
+        };
+        let Some(belt) = &self.belt else {
+            let [load, added] = opposing([x.angle_rad, x.velocity_rad_s]);
+            return [(motor - load) / (self.inertia_kg_m2 + added), 0.0, 0.0];
+        };
+        let coupling = belt.coupling_nm(x.angle_rad - x.load_rad, x.velocity_rad_s - x.load_rad_s);
+        let [load, added] = opposing([x.load_rad, x.load_rad_s]);
+        let behind = belt.inertia_kg_m2();
+        let acceleration = (motor - coupling) / (self.inertia_kg_m2 - behind);
+        [acceleration, x.load_rad_s, (coupling - load) / (behind + added)]
     }
 }
 
+#[cfg(test)]
+mod axis_tests;
 #[cfg(test)]
 mod tests;

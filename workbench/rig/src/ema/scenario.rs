@@ -2,6 +2,8 @@
 //!
 //! An [`EmaScenario`] is a plain struct literal; [`simulate`](super::simulate) runs it with a seed.
 
+use super::super::axis::cycle::{Path, REACH_S, Scale, velocities};
+use super::super::axis::{Axis, Motion};
 use super::super::within;
 use super::super::{BearingGeometry, NoiseSource, RigError, Stream, Waveform, finite, not_negative};
 use super::{Actuator, DriveSettings, EmaDefect, EmaLoad, SensorErrors};
@@ -47,6 +49,10 @@ pub struct EmaScenario {
     pub bearing: BearingGeometry,
     /// Defects.
     pub defect: EmaDefect,
+    /// The axis of a machine that the nut moves; `None` if it moves the load alone.
+    pub axis: Option<Axis>,
+    /// Cycles of a machine instead of the waveform of the command; the amplitude is their reach.
+    pub cycle: Option<Motion>,
     /// Recorded rows.
     pub logging: Logging,
     /// Number of rows of the trace.
@@ -70,6 +76,8 @@ impl EmaScenario {
         sensors: SensorErrors::STANDARD,
         bearing: BearingGeometry::THESIS,
         defect: EmaDefect::HEALTHY,
+        axis: None,
+        cycle: None,
         logging: Logging { every: 10, hold: 1 },
         rows: 12_000,
     };
@@ -143,6 +151,7 @@ impl EmaScenario {
         self.sensors.validate()?;
         self.bearing.validate()?;
         self.defect.validate()?;
+        self.axis.map_or(Ok(()), |axis| axis.validate())?;
         self.defect.actuator(&self.actuator.at_temperature(self.temperature)).validate()?;
         within("logging.every", f64::from(self.logging.every), [1.0, 1e6])?;
         within("logging.hold", f64::from(self.logging.hold), [1.0, 1e6])?;
@@ -152,9 +161,26 @@ impl EmaScenario {
         Ok(())
     }
 
-    /// The position command.
-    pub(super) fn position_ref_m(&self, t_s: f64) -> f64 {
-        self.offset_m + self.amplitude_m * self.command.at(self.frequency_hz, t_s)
+    /// Points of time and velocity of the cycles, if the command is cycles.
+    pub(super) fn cycles(&self, seed: u64) -> Option<Vec<[f64; 2]>> {
+        let scale = Scale { peak: self.amplitude_m / REACH_S, reach: self.amplitude_m };
+        let end_s = self.rows as f64 * self.row_interval_s();
+        self.cycle.map(|motion| velocities(motion, scale, end_s, seed))
+    }
+
+    /// The position command; `path` is that of the cycles.
+    pub(super) fn position_ref_m(&self, path: Option<&Path>, t_s: f64) -> f64 {
+        let moved_m = path.map(|path| path.at(t_s));
+        self.offset_m + moved_m.unwrap_or_else(|| self.amplitude_m * self.command.at(self.frequency_hz, t_s))
+    }
+
+    /// Name of the shape of the command.
+    #[must_use]
+    pub const fn shape(&self) -> &'static str {
+        match self.cycle {
+            Some(motion) => motion.name(),
+            None => self.command.name(),
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The recorded trace of the actuator.
 
+use super::super::axis::AxisColumns;
+
 /// One recording: columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EmaTrace {
@@ -38,6 +40,8 @@ pub struct EmaTrace {
     pub voltage_d_v: Vec<f64>,
     /// Commanded q voltage.
     pub voltage_q_v: Vec<f64>,
+    /// What the axis was; empty without an axis. A recording then has no columns of the load.
+    pub axis: AxisColumns,
 }
 
 /// One row of a trace.
@@ -108,7 +112,9 @@ impl EmaTrace {
         let counts = self.resolver_counts.iter().copied().map(f64::from).collect();
         let mut all: Vec<(&'static str, Vec<f64>)> = columns.into_iter().map(own).collect();
         all.push(("resolver_counts", counts));
-        all.extend(last.into_iter().map(own));
+        let no_sensor = !self.axis.ratio.is_empty();
+        let recorded = last.into_iter().filter(|(name, _)| !(no_sensor && name.starts_with("load_")));
+        all.extend(recorded.chain(self.axis.recorded()).map(own));
         all
     }
 

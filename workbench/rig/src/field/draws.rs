@@ -3,7 +3,7 @@
 use crate::NoiseSource;
 
 /// A draw from the uniform distribution over a range.
-pub(super) fn between(source: &mut NoiseSource, [from, to]: [f64; 2]) -> f64 {
+pub(crate) fn between(source: &mut NoiseSource, [from, to]: [f64; 2]) -> f64 {
     source.uniform(from, to)
 }
 

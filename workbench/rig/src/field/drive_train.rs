@@ -1,11 +1,16 @@
 //! The motor with the torques of the field.
 //!
-//! All torques that oppose the shaft: load or coupling to the load side, bearing, cogging, dry friction, and the change
-//! of the viscous friction since the start of the record. Resistance, viscous friction and slip change once a sample.
+//! All torques that oppose the shaft: load, axis or coupling to the load side, bearing, cogging, dry friction, and the
+//! change of the viscous friction since the start of the record. Resistance, viscous friction and slip change once a
+//! sample. On an axis, the load of friction and pulses includes the weight.
 
-use super::mechanics::LoadSide;
+use core::f64::consts::TAU;
+
+use super::mechanics::{LoadSide, Opposing};
 use super::slip::SlippingBearing;
+use super::units::Draws;
 use super::{FieldValues, TemperatureValues};
+use crate::axis::{self, AxisLoad, Payloads, Travel};
 use crate::bearing::direction;
 use crate::{DefectTorque, MotorParameters, NoiseSource, Plant, PlantState, RigError, Scenario, Stream};
 
@@ -14,6 +19,7 @@ use crate::{DefectTorque, MotorParameters, NoiseSource, Plant, PlantState, RigEr
 pub(crate) struct DriveTrain {
     torques: Torques,
     load_side: Option<LoadSide>,
+    axis: Option<AxisLoad>,
     r_ohm: f64,
 }
 
@@ -37,6 +43,7 @@ impl DriveTrain {
         start: PlantState,
         seed: u64,
     ) -> Result<Self, RigError> {
+        let axis = axis(scenario, motor, seed);
         let jitter = NoiseSource::new(seed, Stream::SlipJitter);
         let order = scenario.bearing.orders().outer;
         Ok(Self {
@@ -50,7 +57,14 @@ impl DriveTrain {
                     .map(|slip| SlippingBearing::new(slip, jitter, order, start.angle_rad, scenario.sample_time_s)),
                 added_viscous_nm_s_per_rad: 0.0,
             },
-            load_side: values.mechanics.map(|mechanics| LoadSide::new(&mechanics, motor.j_kg_m2, &start)),
+            load_side: values.mechanics.map(|mechanics| {
+                let mut side = LoadSide::new(&mechanics, motor.j_kg_m2, &start);
+                if let Some(axis) = &axis {
+                    side.hold(start.angle_rad, axis.weight_nm(start.angle_rad));
+                }
+                side
+            }),
+            axis,
             r_ohm: motor.r_ohm,
         })
     }
@@ -70,21 +84,53 @@ impl DriveTrain {
 
     /// Simulates one integration step under a commanded voltage and an external load.
     pub(crate) fn step(&mut self, plant: &mut Plant, command_v: f64, load_nm: f64) {
-        let Self { torques, load_side, .. } = self;
+        // The weight hardly changes in a step.
+        let weight_nm = self.axis(plant).map(|(axis, angle_rad)| axis.weight_nm(angle_rad));
+        let loaded_nm = weight_nm.map_or(load_nm, |weight| load_nm + weight);
+        let Self { torques, load_side, axis, .. } = self;
         let voltage_v = match &torques.values.current_chain {
             Some(chain) => chain.applied_v(command_v, &plant.state(), plant.motor(), plant.electrical()),
             None => command_v,
         };
         let step_s = plant.step_s();
+        let motor = *plant.motor();
         plant.step_staged(voltage_v, |stage, at| {
-            let loaded = |velocity_rad_s: f64| load_nm + torques.load_friction_nm(load_nm, velocity_rad_s);
+            let loaded = |point: [f64; 2]| {
+                let axis = axis.map_or(Opposing::plain(load_nm), |axis| axis.opposing(point, load_nm));
+                let friction = torques.load_friction_nm(loaded_nm, point[1]);
+                Opposing { torque_nm: axis.torque_nm + friction, ..axis }
+            };
+            let on_motor =
+                torques.at(at, loaded_nm) + axis.map_or(0.0, |a| a.brake_nm(at.angle_rad, at.velocity_rad_s));
             let outside = match load_side {
                 Some(side) => side.stage(stage, at, step_s, loaded),
-                None => loaded(at.velocity_rad_s),
+                None => {
+                    let driving = motor.kt_nm_per_a * at.current_a - motor.b_nm_s_per_rad * at.velocity_rad_s;
+                    loaded([at.angle_rad, at.velocity_rad_s]).on_stiff_shaft(driving - on_motor, motor.j_kg_m2)
+                }
             };
-            outside + torques.at(at, load_nm)
+            outside + on_motor
         });
+        if let Some(axis) = axis {
+            axis.settle(plant.state().angle_rad);
+        }
     }
+
+    /// The axis and the angle of its load side.
+    pub(crate) fn axis(&mut self, plant: &Plant) -> Option<(&mut AxisLoad, f64)> {
+        let angle_rad = self.load_side.map_or(plant.state().angle_rad, |side| side.angle_rad());
+        self.axis.as_mut().map(|axis| (axis, angle_rad))
+    }
+}
+
+/// The axis of a record, with its payload at the start.
+pub(crate) fn axis(scenario: &Scenario, motor: &MotorParameters, seed: u64) -> Option<AxisLoad> {
+    let axis = scenario.axis?;
+    let [_, turns] = axis::start(scenario.duty.motion(), seed);
+    let gear = Draws { seed, drive: scenario.drive }.of_drive(Stream::Gear);
+    let mut load = AxisLoad::new(&axis, Travel::rotary(axis.ratio), [TAU * turns, motor.j_kg_m2], gear);
+    load.set_payload(Payloads::draw(&axis, &[], 0.0, seed).at(0.0));
+    Some(load)
 }
 
 impl Torques {

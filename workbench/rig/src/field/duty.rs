@@ -8,12 +8,14 @@
 //! | set points | ramps of 0.2–0.6 s to levels from −A to A, each held for 0.3–1 s |
 //! | one-way | `A (1 + 0.3 sin 2πft)`: the shaft never reverses |
 //! | constant speed | A |
+//! | cycle, any cycle | five moves and rests of a machine: [`cycle`](crate::axis::cycle) |
 //!
 //! A and f are amplitude and frequency of the scenario's reference; levels and times are uniform. Trapezoids change
 //! their direction at each standstill. The shaft is at rest at the start of a record, except for the last two duties,
 //! where it turns at the reference and the controller is settled.
 
 use super::draws::choice;
+use crate::axis::Motion;
 use crate::{NoiseSource, Stream};
 
 /// Kind of the velocity reference.
@@ -31,6 +33,10 @@ pub enum Duty {
     OneWay,
     /// A constant velocity.
     ConstantSpeed,
+    /// The same five moves and rests again and again.
+    Cycle,
+    /// Other moves and rests in each cycle.
+    AnyCycle,
     /// Each record draws one of the six duties above.
     Any,
     /// Each record draws one of the four duties that reverse.
@@ -38,7 +44,7 @@ pub enum Duty {
 }
 
 impl Duty {
-    /// The duties that a record can have; the four that reverse come first.
+    /// The duties that [`Duty::Any`] draws; the four that reverse come first.
     pub const SINGLE: [Self; 6] =
         [Self::Waveform, Self::RandomSteps, Self::Trapezoids, Self::SetPoints, Self::OneWay, Self::ConstantSpeed];
 
@@ -52,15 +58,26 @@ impl Duty {
             Self::SetPoints => "set-points",
             Self::OneWay => "one-way",
             Self::ConstantSpeed => "constant-speed",
+            Self::Cycle => Motion::Same.name(),
+            Self::AnyCycle => Motion::Any.name(),
             Self::Any => "any",
             Self::AnyReversing => "any-reversing",
         }
     }
 
-    /// The duty of the record with this seed, one of [`Duty::SINGLE`].
+    /// The duty of the record with this seed, none of those that draw.
     #[must_use]
     pub fn of_record(self, seed: u64) -> Self {
         self.drawn(&mut NoiseSource::new(seed, Stream::Duty))
+    }
+
+    /// The motion of a machine, if the duty is one.
+    pub(crate) const fn motion(self) -> Option<Motion> {
+        match self {
+            Self::Cycle => Some(Motion::Same),
+            Self::AnyCycle => Some(Motion::Any),
+            _ => None,
+        }
     }
 
     pub(super) fn drawn(self, source: &mut NoiseSource) -> Self {

@@ -12,6 +12,13 @@
 //!
 //! c acts only outside the dead zone. f is the resonance of the two inertias without motor and without backlash. The
 //! states of (2) are integrated by the midpoint rule of the motor.
+//!
+//! The load side may have a further inertia ΔJ that depends on its position. On a stiff shaft, a motor that integrates
+//! J dω/dt = M − T gets (J + ΔJ) dω/dt = M − T_load from the torque
+//!
+//! ```text
+//! T = T_load + ΔJ (M − T_load)/(J + ΔJ)                                  (5)
+//! ```
 
 use core::f64::consts::TAU;
 
@@ -58,7 +65,11 @@ impl Mechanics {
         backlash_deg: [0.1, 0.3],
     };
 
-    pub(super) fn validate(&self) -> Result<(), RigError> {
+    /// A gear without backlash on an axis, whose payload has its own law.
+    pub(crate) const GEAR: Self =
+        Self { payload: 0.0, resonance_hz: [40.0, 80.0], backlash_deg: [0.0; 2], ..Self::FIELD };
+
+    pub(crate) fn validate(&self) -> Result<(), RigError> {
         fraction("field.mechanics.payload", self.payload)?;
         positive("field.mechanics.load_share", self.load_share)?;
         within("field.mechanics.load_share", self.load_share, [0.0, 0.95])?;
@@ -73,7 +84,7 @@ impl Mechanics {
     }
 
     /// Draws the payload from `job` and the constants of the transmission from `built`.
-    pub(super) fn draw(&self, mut job: NoiseSource, mut built: NoiseSource) -> MechanicsValues {
+    pub(crate) fn draw(&self, mut job: NoiseSource, mut built: NoiseSource) -> MechanicsValues {
         MechanicsValues {
             payload: 1.0 + job.uniform(-self.payload, self.payload),
             load_share: self.load_share,
@@ -84,9 +95,31 @@ impl Mechanics {
     }
 }
 
+/// What acts at a point of the load side: torque, and inertia ΔJ beside the constant one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Opposing {
+    /// Torque that opposes positive motion.
+    pub(crate) torque_nm: f64,
+    /// ΔJ.
+    pub(crate) added_kg_m2: f64,
+}
+
+impl Opposing {
+    /// A torque, and no inertia.
+    pub(crate) const fn plain(torque_nm: f64) -> Self {
+        Self { torque_nm, added_kg_m2: 0.0 }
+    }
+
+    /// The torque (5) that opposes a motor of inertia J on a stiff shaft; `driving_nm` is M, all other torques.
+    pub(crate) fn on_stiff_shaft(&self, driving_nm: f64, inertia_kg_m2: f64) -> f64 {
+        let Self { torque_nm, added_kg_m2 } = *self;
+        torque_nm + added_kg_m2 * (driving_nm - torque_nm) / (inertia_kg_m2 + added_kg_m2) // (5)
+    }
+}
+
 /// The inertia behind the compliance.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct LoadSide {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LoadSide {
     inertia_kg_m2: f64,
     stiffness_nm_per_rad: f64,
     damping_nm_s_per_rad: f64,
@@ -98,7 +131,7 @@ pub(super) struct LoadSide {
 
 impl LoadSide {
     /// The load side of a drive with total inertia `j_kg_m2`, at rest relative to the motor and amid its backlash.
-    pub(super) fn new(values: &MechanicsValues, j_kg_m2: f64, motor: &PlantState) -> Self {
+    pub(crate) fn new(values: &MechanicsValues, j_kg_m2: f64, motor: &PlantState) -> Self {
         let share = values.load_share;
         let (reduced, w) = (j_kg_m2 * share * (1.0 - share), TAU * values.resonance_hz);
         let (angle_rad, velocity_rad_s) = (motor.angle_rad, motor.velocity_rad_s);
@@ -114,14 +147,21 @@ impl LoadSide {
     }
 
     /// One stage of a step of `step_s`: returns T_k at this stage, and integrates (2) to the middle or to the end of
-    /// the step. `load_nm` returns the torque on the load side at a velocity.
-    pub(super) fn stage(&mut self, stage: Stage, motor: &PlantState, step_s: f64, load_nm: impl Fn(f64) -> f64) -> f64 {
+    /// the step. `load` returns the torque on the load side at an angle and a velocity, and its further inertia.
+    pub(super) fn stage(
+        &mut self,
+        stage: Stage,
+        motor: &PlantState,
+        step_s: f64,
+        load: impl Fn([f64; 2]) -> Opposing,
+    ) -> f64 {
         let [angle, velocity] = match stage {
             Stage::Start => [self.angle_rad, self.velocity_rad_s],
             Stage::Middle => self.middle,
         };
         let coupling = self.coupling_nm(motor.angle_rad - angle, motor.velocity_rad_s - velocity);
-        let acceleration = (coupling - load_nm(velocity)) / self.inertia_kg_m2; // (2)
+        let load = load([angle, velocity]);
+        let acceleration = (coupling - load.torque_nm) / (self.inertia_kg_m2 + load.added_kg_m2); // (2)
         match stage {
             Stage::Start => {
                 let half = 0.5 * step_s;
@@ -135,8 +175,25 @@ impl LoadSide {
         coupling
     }
 
+    /// Puts the load side where it holds a torque at rest.
+    pub(crate) fn hold(&mut self, motor_rad: f64, torque_nm: f64) {
+        let gap = if torque_nm == 0.0 { 0.0 } else { self.half_gap_rad.copysign(torque_nm) };
+        self.angle_rad = motor_rad - torque_nm / self.stiffness_nm_per_rad - gap;
+        self.middle[0] = self.angle_rad;
+    }
+
+    /// Angle of the load side.
+    pub(crate) const fn angle_rad(&self) -> f64 {
+        self.angle_rad
+    }
+
+    /// J₂.
+    pub(crate) const fn inertia_kg_m2(&self) -> f64 {
+        self.inertia_kg_m2
+    }
+
     /// T_k (3).
-    fn coupling_nm(&self, twist_rad: f64, slip_rad_s: f64) -> f64 {
+    pub(crate) fn coupling_nm(&self, twist_rad: f64, slip_rad_s: f64) -> f64 {
         let strain = twist_rad - twist_rad.clamp(-self.half_gap_rad, self.half_gap_rad);
         // Without backlash the spring is always in contact.
         let contact = strain != 0.0 || self.half_gap_rad == 0.0;
@@ -171,7 +228,7 @@ mod tests {
         let mut side = LoadSide::new(values, TABLE_2_3.j_kg_m2, &plant.state());
         plant.set_state(PlantState { velocity_rad_s: 1.0, ..plant.state() });
         let mut step = || {
-            plant.step_staged(0.0, |stage, at| side.stage(stage, at, 1e-4, |_| 0.0));
+            plant.step_staged(0.0, |stage, at| side.stage(stage, at, 1e-4, |_| Opposing::plain(0.0)));
             [plant.state().velocity_rad_s, side.velocity_rad_s]
         };
         (0..steps).map(|_| step()).collect()
@@ -222,7 +279,7 @@ mod tests {
         let values = MechanicsValues { damping_ratio: 1.0, ..STIFF };
         let mut side = LoadSide::new(&values, 2.5e-4, &plant.state());
         for _ in 0..10_000 {
-            plant.step_staged(0.0, |stage, at| side.stage(stage, at, 1e-4, |_| 0.01));
+            plant.step_staged(0.0, |stage, at| side.stage(stage, at, 1e-4, |_| Opposing::plain(0.01)));
         }
         // e⁻³¹⁴ of the swing is left; rounding of 1e4 steps on a velocity of 40 rad/s.
         assert!((plant.state().velocity_rad_s + 0.01 / 2.5e-4).abs() < 1e-9);

@@ -34,7 +34,7 @@
 
 pub mod angle;
 pub mod current_chain;
-mod draws;
+pub(super) mod draws;
 mod drive_train;
 pub mod duty;
 pub mod friction;
@@ -51,11 +51,12 @@ pub mod values;
 pub(super) use angle::DifferencedVelocity;
 pub use angle::{Resolver, ResolverValues};
 pub use current_chain::{CurrentChain, CurrentChainValues};
-pub(super) use drive_train::DriveTrain;
+pub(super) use drive_train::{DriveTrain, axis};
 pub use duty::Duty;
 pub use friction::{LoadFriction, LoadFrictionValues, Stribeck, StribeckValues};
 pub use load_sensor::{LoadMeasurement, LoadSensor, LoadSensorValues};
 pub use magnetics::{Magnetics, MagneticsValues};
+pub(super) use mechanics::{LoadSide, Opposing};
 pub use mechanics::{Mechanics, MechanicsValues};
 pub(super) use profile::Profile;
 pub(super) use sampling::Clock;

@@ -2,6 +2,7 @@
 
 use super::draws::between;
 use super::duty::Duty;
+use crate::axis::{Motion, cycle};
 use crate::{NoiseSource, Scenario, Stream};
 
 /// Modulation of the one-way duty.
@@ -27,6 +28,8 @@ impl Profile {
         let end_s = scenario.samples as f64 * scenario.sample_time_s;
         let mut lines = Lines { source, points: vec![[0.0, 0.0]] };
         let peak = scenario.reference_amplitude_rad_s;
+        let moves =
+            |motion| cycle::velocities(motion, cycle::Scale { peak, reach: cycle::REACH_S * peak }, end_s, seed);
         match duty {
             Duty::RandomSteps => lines.until(end_s, |lines| lines.step(peak)),
             Duty::SetPoints => lines.until(end_s, |lines| lines.set_point(peak)),
@@ -37,6 +40,8 @@ impl Profile {
                     peak = -peak;
                 });
             }
+            Duty::Cycle => return Self::Lines(moves(Motion::Same)),
+            Duty::AnyCycle => return Self::Lines(moves(Motion::Any)),
             Duty::OneWay => return Self::OneWay,
             Duty::ConstantSpeed => return Self::Constant,
             Duty::Waveform | Duty::Any | Duty::AnyReversing => return Self::Waveform,
@@ -55,6 +60,11 @@ impl Profile {
             }
             Self::Constant => scenario.reference_amplitude_rad_s,
         }
+    }
+
+    /// Intervals of time in which the reference is zero; only straight lines have any.
+    pub(crate) fn rests_s(&self) -> Vec<[f64; 2]> {
+        if let Self::Lines(points) = self { cycle::rests(points) } else { vec![] }
     }
 
     /// The velocity of the shaft at the start of the record.

@@ -50,8 +50,10 @@ impl FieldValues {
             magnetics: field.magnetics.map(|m| m.draw(draws.of_drive(Stream::Magnetics))),
             resolver: field.resolver.map(|r| r.draw(draws.of_drive(Stream::Resolver))),
             load_sensor,
-            mechanics: field
-                .mechanics
+            mechanics: scenario
+                .axis
+                .and_then(|axis| axis.transmission)
+                .or(field.mechanics)
                 .map(|m| m.draw(draws.of_record(Stream::Payload), draws.of_drive(Stream::Mechanics))),
             current_chain: field.current_chain.map(|c| c.draw(draws.of_drive(Stream::CurrentChain))),
             slip: field.slip.map(|s| s.draw(draws.of_record(Stream::Slip))),

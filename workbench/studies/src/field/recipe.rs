@@ -108,7 +108,7 @@ pub fn by_default(row: &Row, classes: &[String]) -> Result<Recipe, Error> {
 /// Returns whether the drives of a condition measure the load.
 #[must_use]
 pub fn has_load_sensor(condition: &Condition) -> bool {
-    condition.field.is_none_or(|field| field.load != LoadMeasurement::Absent)
+    condition.axis.is_none() && condition.field.is_none_or(|field| field.load != LoadMeasurement::Absent)
 }
 
 #[cfg(test)]
@@ -132,6 +132,7 @@ mod tests {
                 assert!(own.rising.is_empty());
             }
         }
+        assert!(Condition::AXES.iter().all(|condition| !has_load_sensor(condition)));
         let known = of_gate(&named(&["temperature-known".into()]).expect("a row")[0], &[]);
         assert_eq!(known.features, GATE_FEATURES);
         assert_eq!((known.rising, known.covariates), (chosen(&[], &GATE_FEATURES[2..5]), chosen(&[], &[TEMPERATURE])));

@@ -92,17 +92,30 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
-/// The rows with these names, in the order of [`rows`]; all rows without names.
+/// The rows of axes with a weight that the drive does not measure.
+#[must_use]
+pub fn axes() -> Vec<Row> {
+    Condition::AXES.into_iter().map(|condition| Row::same(condition, false)).collect()
+}
+
+/// The rows with these names, in the order of [`rows`] and then [`axes`]; all [`rows`] without names, and all [`axes`]
+/// for the name `axes`.
 ///
 /// # Errors
 /// [`Error::Usage`] with the known names if a name is unknown.
 pub fn named(names: &[String]) -> Result<Vec<Row>, Error> {
-    let all = rows();
+    if names.is_empty() {
+        return Ok(rows());
+    }
+    if names == ["axes"] {
+        return Ok(axes());
+    }
+    let all: Vec<Row> = rows().into_iter().chain(axes()).collect();
     if let Some(name) = names.iter().find(|name| all.iter().all(|row| row.name() != **name)) {
         let known: Vec<String> = all.iter().map(Row::name).collect();
         return Err(Error::Usage(format!("--only: no row {name}; there are {}", known.join(", "))));
     }
-    Ok(all.into_iter().filter(|row| names.is_empty() || names.contains(&row.name())).collect())
+    Ok(all.into_iter().filter(|row| names.contains(&row.name())).collect())
 }
 
 #[cfg(test)]
@@ -148,6 +161,8 @@ mod tests {
         let found: Vec<String> = named(&asked).expect("known").iter().map(Row::name).collect();
         assert_eq!(found, ["mix", "slip", "missing-bursts-unseen"]);
         assert_eq!(named(&[]).expect("all").len(), rows().len());
+        assert_eq!(named(&["axes".into()]).expect("known"), axes());
+        assert_eq!(named(&["axis-0.4-sine".into()]).expect("known"), [axes()[3]]);
         let message = named(&["slipp".into()]).expect_err("unknown").to_string();
         assert!(message.contains("no row slipp; there are mix, temperature"), "{message}");
     }

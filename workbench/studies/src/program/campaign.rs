@@ -21,6 +21,7 @@ use rig::Condition;
   bearing-watch-studies campaign --quick --only mix,amplitude-2 --repetitions 4
   bearing-watch-studies campaign --field --draws 20
   bearing-watch-studies campaign --field --draws 2 --only mix,temperature,field-sine --json
+  bearing-watch-studies campaign --field --default --only axes --draws 3 --healthy 100 --defects 30
   bearing-watch-studies campaign --field --limits --draws 1
   bearing-watch-studies campaign --ema --draws 5
   bearing-watch-studies campaign --ema --default --draws 5
@@ -30,7 +31,8 @@ use rig::Condition;
 With --ema the records are those of the simulated actuator: phase currents and resolver counts at 12 kHz, through the \
 core's front end to 1 kHz, under random conditions, beside the source's method and its calibration. \
 With --field there is one row a condition: a gate of 150 healthy records at 1 % false alarms, trained and judged under \
-this condition with one recipe for all rows; rows that end in -unseen are trained without the missing samples. Records \
+this condition with one recipe for all rows; rows that end in -unseen are trained without the missing samples. The \
+rows axes are axes with a weight that no sensor measures; they are computed only if --only names them. Records \
 without a verdict are not detected, and are an error of the three classes.")]
 pub(crate) struct Args {
     /// Number of draws of training and validation sets
@@ -72,6 +74,16 @@ pub(crate) struct Args {
     /// The detector of a user who names no features, instead of the one of the recipe; with --field or --ema
     #[arg(long, conflicts_with_all = ["features", "quick", "limits"])]
     default: bool,
+    /// Healthy records on which each detector of the field is judged
+    #[arg(long, value_name = "N", requires = "field", conflicts_with_all = ["limits", "delay", "growth"])]
+    #[arg(default_value_t = 300)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    healthy: u32,
+    /// Records of each defect on which each detector of the field is judged
+    #[arg(long, value_name = "N", requires = "field", conflicts_with_all = ["limits", "delay", "growth"])]
+    #[arg(default_value_t = 60)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    defects: u32,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -140,6 +152,8 @@ fn run_field(args: &Args, output: Output) -> Result<(), Error> {
     let settings = field::Settings {
         features: args.features.clone(),
         default: args.default,
+        healthy: args.healthy,
+        defects: args.defects,
         ..field::Settings::standard(args.repetitions, args.first)
     };
     if args.limits {

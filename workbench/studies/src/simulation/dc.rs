@@ -1,5 +1,6 @@
 //! Traces of the DC-motor rig.
 
+use super::conditions::Chosen;
 use super::experiment::{Experiment, Simulated, table};
 use super::options::Simulation;
 use model::Error;
@@ -9,6 +10,7 @@ use rig::{Condition, Defect, DefectKind, Duty, Scenario, Waveform, simulate};
 /// What the options choose on the DC-motor rig.
 #[derive(Debug)]
 pub(super) struct Dc {
+    chosen: Chosen,
     condition: Condition,
     severity: f64,
     waveform: Option<Waveform>,
@@ -26,21 +28,25 @@ impl Dc {
         if args.log_every.is_some() {
             return refused("--log-every");
         }
-        let name = args.condition_name();
-        let Some(condition) = Condition::named(name) else {
-            return Err(Error::Usage(format!("--condition {name} belongs to the EMA rig; add --rig ema")));
+        let chosen = Chosen::new(args)?;
+        let Some(condition) = Condition::named(chosen.rig) else {
+            return Err(Error::Usage(format!("--condition {} belongs to the EMA rig; add --rig ema", chosen.rig)));
         };
-        let shaped = condition.reference_waveform.is_some() || condition.duty.is_some();
-        if shaped && args.waveform.is_some() {
+        let moves = condition.reference_waveform.is_some() || condition.duty.is_some();
+        chosen.refuse_rivals(condition.axis, moves)?;
+        let name = &chosen.name;
+        if (moves || chosen.has_motion()) && args.waveform.is_some() {
             return Err(Error::Usage(format!("--condition {name} sets the reference already; leave out --waveform")));
         }
-        Ok(Self { condition, severity: args.severity, waveform: args.waveform, angle_bits: args.angle_bits })
+        Ok(Self { chosen, condition, severity: args.severity, waveform: args.waveform, angle_bits: args.angle_bits })
     }
 
     fn scenario(&self, kind: DefectKind, seed: u64) -> Scenario {
         let rig = Scenario { angle_bits: self.angle_bits, ..Scenario::STANDARD };
         let standard = rig.with_defect(Defect { kind, severity: self.severity });
         let scenario = self.condition.apply(standard, seed);
+        let Chosen { parts, axis, .. } = &self.chosen;
+        let scenario = if parts.is_empty() { scenario } else { scenario.on_axis(parts, *axis) };
         Scenario { reference_waveform: self.waveform.unwrap_or(scenario.reference_waveform), ..scenario }
     }
 }
@@ -50,8 +56,8 @@ impl Experiment for Dc {
         self.scenario(kind, 0).validate().map_err(Error::other)
     }
 
-    fn condition(&self) -> &'static str {
-        self.condition.name
+    fn condition(&self) -> &str {
+        &self.chosen.name
     }
 
     fn prefix(&self, _kind: DefectKind) -> Option<&'static str> {

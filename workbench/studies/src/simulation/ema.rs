@@ -1,5 +1,6 @@
 //! Traces of the EMA rig.
 
+use super::conditions::Chosen;
 use super::experiment::{Experiment, Simulated, table};
 use super::options::Simulation;
 use model::Error;
@@ -11,6 +12,7 @@ use rig::ema::{EmaCondition, EmaDefect, EmaScenario, Logging, Race, simulate};
 /// What the options choose on the EMA rig.
 #[derive(Debug)]
 pub(super) struct Ema {
+    chosen: Chosen,
     condition: EmaCondition,
     severity: f64,
     race: Race,
@@ -29,17 +31,20 @@ impl Ema {
         if args.log_every == Some(0) {
             return refused("--log-every 0 records nothing; give at least 1".into());
         }
-        let name = args.condition_name();
+        let chosen = Chosen::new(args)?;
+        let name = chosen.rig;
         let Some(condition) = EmaCondition::named(name) else {
             let names = EmaCondition::ALL.map(|condition| condition.name).join(", ");
             return refused(format!("--condition {name} belongs to the DC-motor rig; the EMA rig has {names}"));
         };
         let race = args.race.unwrap_or(Race::Inner);
-        Ok(Self { condition, severity: args.severity, race, log_every: args.log_every })
+        Ok(Self { chosen, condition, severity: args.severity, race, log_every: args.log_every })
     }
 
     fn scenario(&self, kind: DefectKind, seed: u64) -> EmaScenario {
         let scenario = self.condition.scenario(seed).with_defect(EmaDefect::of(kind, self.severity, self.race));
+        let Chosen { parts, axis, .. } = &self.chosen;
+        let scenario = if parts.is_empty() { scenario } else { scenario.on_axis(parts, *axis) };
         match self.log_every {
             Some(every) => scenario.logged(Logging { every, hold: 1 }),
             None => scenario,
@@ -52,8 +57,8 @@ impl Experiment for Ema {
         self.scenario(kind, 0).validate().map_err(Error::other)
     }
 
-    fn condition(&self) -> &'static str {
-        self.condition.name
+    fn condition(&self) -> &str {
+        &self.chosen.name
     }
 
     fn prefix(&self, kind: DefectKind) -> Option<&'static str> {
@@ -73,6 +78,6 @@ impl Experiment for Ema {
     fn simulate(&self, kind: DefectKind, seed: u64) -> Result<Simulated, Error> {
         let scenario = self.scenario(kind, seed);
         let table = table(simulate(&scenario, seed).map_err(Error::other)?.recorded());
-        Ok(Simulated { table, shape: scenario.command.name() })
+        Ok(Simulated { table, shape: scenario.shape() })
     }
 }

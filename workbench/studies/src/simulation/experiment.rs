@@ -35,7 +35,7 @@ pub(super) trait Experiment: Sync {
     /// Returns an error if traces of this class cannot be simulated.
     fn validate(&self, kind: DefectKind) -> Result<(), Error>;
     /// Name of the condition.
-    fn condition(&self) -> &'static str;
+    fn condition(&self) -> &str;
     /// First part of the file names of a class, before its name.
     fn prefix(&self, kind: DefectKind) -> Option<&'static str>;
     /// Last part of the file names of a class.

@@ -1,5 +1,6 @@
 //! Sets of simulated traces: what is simulated, as a plain struct, and the traces.
 
+mod conditions;
 mod dc;
 mod ema;
 mod experiment;
@@ -8,6 +9,5 @@ mod options;
 mod set;
 
 pub use experiment::{Simulated, Table};
-pub use names::ConditionName;
 pub use options::{Rig, Simulation};
 pub use set::Set;

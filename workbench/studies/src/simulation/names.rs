@@ -4,7 +4,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error};
 
 use rig::ema::{EmaCondition, Race};
-use rig::{Condition, DefectKind, Waveform};
+use rig::{AxisPart, Condition, DefectKind, Waveform};
 
 /// Name, note and value of each choice.
 type Choices<T> = Vec<(&'static str, String, T)>;
@@ -13,12 +13,13 @@ fn classes() -> Choices<DefectKind> {
     DefectKind::ALL.map(|kind| (kind.name(), kind.about().into(), kind)).to_vec()
 }
 
-/// Names of the conditions of both rigs.
+/// Names of the conditions of both rigs, and of the parts of an axis.
 fn conditions() -> Choices<&'static str> {
     let dc = Condition::all().map(|condition| (condition.name, condition.about.to_string(), condition.name));
     let ema = EmaCondition::ALL.into_iter().filter(|condition| Condition::named(condition.name).is_none());
     let ema = ema.map(|condition| (condition.name, format!("EMA: {}", condition.about), condition.name));
-    dc.chain(ema).collect()
+    let parts = AxisPart::ALL.map(|part| (part.name(), format!("axis: {}", part.about()), part.name()));
+    dc.chain(ema).chain(parts).collect()
 }
 
 fn waveforms() -> Choices<Waveform> {
@@ -48,14 +49,8 @@ pub(super) fn class_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<V
     Vec::<String>::deserialize(deserializer)?.iter().map(|given| named(classes(), given)).collect()
 }
 
-/// A condition of one of the rigs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ConditionName(pub &'static str);
-
-impl<'de> Deserialize<'de> for ConditionName {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        named(conditions(), &String::deserialize(deserializer)?).map(Self)
-    }
+pub(super) fn condition_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<&'static str>, D::Error> {
+    Vec::<String>::deserialize(deserializer)?.iter().map(|given| named(conditions(), given)).collect()
 }
 
 pub(super) fn waveform<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Waveform>, D::Error> {
@@ -84,8 +79,8 @@ pub(super) mod schemas {
         json_schema!({ "type": "array", "items": { "oneOf": choices(super::classes()) } })
     }
 
-    pub(in super::super) fn condition(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "oneOf": choices(super::conditions()) })
+    pub(in super::super) fn conditions(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "array", "items": { "oneOf": choices(super::conditions()) } })
     }
 
     pub(in super::super) fn waveform(_: &mut SchemaGenerator) -> Schema {

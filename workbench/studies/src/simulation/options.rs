@@ -26,10 +26,18 @@ pub struct Simulation {
     /// Size of the defect, 1 for full size
     #[serde(default = "full")]
     pub severity: f64,
-    /// Condition that differs from the standard rig
+    /// Condition that differs from the standard rig; parts of an axis combine, on top of mix or of another condition
+    #[serde(default, deserialize_with = "names::condition_list")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "names::schemas::conditions", extend("x-value" = "NAMES")))]
+    pub condition: Vec<&'static str>,
+    /// Turns of the motor per turn of an axis, 1 to 160 [default: 50]
     #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(schema_with = "names::schemas::condition", extend("x-value" = "NAME")))]
-    pub condition: Option<names::ConditionName>,
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "RATIO")))]
+    pub ratio: Option<f64>,
+    /// Weight of an axis at the motor at nominal payload, N·m [default: 0.15, EMA rig 2]
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NM")))]
+    pub weight: Option<f64>,
     /// Shape of the velocity reference [default: sine, or that of the condition]
     #[serde(default, deserialize_with = "names::waveform")]
     #[cfg_attr(feature = "schema", schemars(schema_with = "names::schemas::waveform", extend("x-value" = "SHAPE")))]
@@ -74,12 +82,4 @@ const fn one() -> u32 {
 
 const fn full() -> f64 {
     1.0
-}
-
-impl Simulation {
-    /// Name of the condition.
-    #[must_use]
-    pub fn condition_name(&self) -> &'static str {
-        if self.mix { "mix" } else { self.condition.map_or("standard", |own| own.0) }
-    }
 }

@@ -28,9 +28,6 @@ impl<'a> Set<'a> {
     /// # Errors
     /// Options that do not go together, or a class that the rig cannot simulate.
     pub fn new(options: &'a Simulation) -> Result<Self, Error> {
-        if options.mix && options.condition.is_some() {
-            return Err(Error::Usage("--mix cannot be used with --condition".into()));
-        }
         if options.count == 0 || options.class.is_empty() {
             return Err(Error::Usage("--count 0 makes no traces; give at least 1".into()));
         }
@@ -56,7 +53,7 @@ impl<'a> Set<'a> {
 
     /// Name of the condition.
     #[must_use]
-    pub fn condition(&self) -> &'static str {
+    pub fn condition(&self) -> &str {
         self.experiment.condition()
     }
 
