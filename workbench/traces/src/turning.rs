@@ -14,6 +14,7 @@ use std::f64::consts::TAU;
 use crate::signal::{Role, Signal};
 use crate::units::{Quantity, Unit};
 use model::audit::scale::{are_whole, slope_by_velocity, wraps_at};
+use model::outputs::trimmed;
 use model::trace::words;
 
 /// Words of names of electrical angles and speeds.
@@ -44,6 +45,9 @@ pub(crate) struct Channel {
     pub(crate) text: String,
     /// What tells the unit, or what is asked; `None` if the name tells it.
     pub(crate) said: Option<String>,
+    /// The text with an answer in the place of each question: the unit that the other signal tells, or the base unit,
+    /// and one pole pair.
+    pub(crate) answer: String,
     kind: Kind,
 }
 
@@ -53,22 +57,35 @@ impl Channel {
         self.text.contains('?')
     }
 
-    /// The values of the column in rad or rad/s; where the unit is a question, as they are.
+    /// With an answer: one is so many base units by the other signal, if that is known, which is then said.
+    fn answered(self, unit: Option<f64>, is_told: bool) -> Self {
+        let base = if self.kind == Kind::Angle { "rad" } else { "rad/s" };
+        let unit = unit.map(f64::abs).filter(|unit| unit.is_finite() && *unit > 0.0);
+        let answer = unit.map_or_else(|| base.to_string(), |unit| format!("{unit:.4e} {base}"));
+        let by_other = unit.filter(|_| is_told && self.is_question());
+        let said = self.said.map(|said| match by_other {
+            Some(unit) if (1e-3..1e4).contains(&unit) => {
+                let digits = (2.0 - unit.log10().floor()).max(0.0) as usize;
+                format!("{said} One is {} {base} by the other signal.", trimmed(unit, digits))
+            }
+            Some(unit) => format!("{said} One is {unit:.2e} {base} by the other signal."),
+            None => said,
+        });
+        let answer = format!("[{answer}]");
+        let answer = self.text.replace("[turn/?]", &answer).replace("[?]", &answer).replace("/?", "/1");
+        Self { said, answer, ..self }
+    }
+
+    /// The values of the column in rad or rad/s; where the unit is a question, by its answer.
     pub(crate) fn values(&self, column: &Column<'_>) -> Vec<f64> {
         let role = if self.kind == Kind::Angle { Role::Angle } else { Role::Velocity };
-        let text = answered(&self.text, self.kind == Kind::Angle);
+        let text = &self.answer;
         let names = [column.name.to_string()];
-        let signal = Signal::of_role(&text, &names, role).or_else(|_| Signal::parse(column.name, &names));
+        let signal = Signal::of_role(text, &names, role).or_else(|_| Signal::parse(column.name, &names));
         let rows = column.values.len();
         signal
             .map_or_else(|_| column.values.to_vec(), |signal| signal.values(rows, &|_| column.values, &|_, _| f64::NAN))
     }
-}
-
-/// A channel with an answer in the place of each question: the base unit, and one pole pair.
-pub(crate) fn answered(text: &str, is_angle: bool) -> String {
-    let unit = if is_angle { "[rad]" } else { "[rad/s]" };
-    text.replace("[turn/?]", unit).replace("[?]", unit).replace("/?", "/1")
 }
 
 /// Angle and velocity, and how they contradict each other.
@@ -148,10 +165,23 @@ impl Turning {
         let electrical = [angle, velocity].map(|column| column.is_some_and(|column| is_electrical(column.name)));
         let pairs = pole_pairs(times, electrical);
         let contradiction = times.filter(|times| (times - 1.0).abs() > OFF && pairs.is_none()).map(contradiction);
+        // Base units in one of an unknown unit, by the other signal.
+        let units = match (&of_angle, &of_velocity, ratio) {
+            (Some(angle), None, Some(ratio)) => [None, Some(ratio * angle.factor)],
+            (None, Some(velocity), Some(ratio)) => [Some(velocity.factor / ratio), None],
+            (None, None, Some(ratio)) => [Some(1.0 / ratio), None],
+            _ => [None, None],
+        };
+        // Of an electrical signal the pole pairs are in the factor.
+        let is_told = of_angle.is_some() != of_velocity.is_some() && electrical == [false; 2];
         let wrong_turn = of_angle.as_ref().zip(period).and_then(|(known, period)| wrong_turn(known, period));
         Self {
-            angle: angle.map(|column| Kind::Angle.channel(&column, of_angle, (electrical[0], pairs))),
-            velocity: velocity.map(|column| Kind::Velocity.channel(&column, of_velocity, (electrical[1], pairs))),
+            angle: angle.map(|column| {
+                Kind::Angle.channel(&column, of_angle, (electrical[0], pairs)).answered(units[0], is_told)
+            }),
+            velocity: velocity.map(|column| {
+                Kind::Velocity.channel(&column, of_velocity, (electrical[1], pairs)).answered(units[1], is_told)
+            }),
             contradiction: wrong_turn.or(contradiction),
         }
     }
@@ -245,7 +275,7 @@ impl Kind {
                 (format!("{name}[?]"), Some(format!("the unit of {name} is not known: {units}?")))
             }
         };
-        Channel { text, said, kind: self }
+        Channel { text, said, answer: String::new(), kind: self }
     }
 
     /// An electrical angle or speed over the pole pairs.
@@ -259,7 +289,7 @@ impl Kind {
             Some(pairs) => format!("{name} is electrical: {pairs} pole pairs, by a mechanical signal"),
             None => format!("{name} is electrical: how many pole pairs has the motor?"),
         };
-        Channel { text, said: Some(said), kind: self }
+        Channel { text, said: Some(said), answer: String::new(), kind: self }
     }
 }
 
@@ -368,6 +398,18 @@ mod tests {
         assert!(found.2.told()[0].contains("the unit of position is not known: rad, turn or deg?"), "{:?}", found.2);
         let counts: Vec<f64> = scaled(&angle, 4096.0 / TAU).iter().map(|x| x.round()).collect();
         assert_eq!(of(("position", &counts), None).0, "position[turn/?]");
+    }
+
+    #[test]
+    fn an_unknown_unit_has_its_factor_by_the_other_signal() {
+        let (velocity, angle) = motion();
+        let hundredths = scaled(&velocity, 100.0);
+        let (_, text, turning) = of(("angle_rad", &angle), Some(("speed", &hundredths)));
+        let channel = turning.velocity.expect("a velocity");
+        assert_eq!(text, "speed[?]");
+        assert!(channel.said.as_ref().is_some_and(|said| said.ends_with("One is 0.01 rad/s by the other signal.")));
+        let values = channel.values(&Column { name: "speed", values: &hundredths });
+        assert!(values.iter().zip(&velocity).all(|(one, other)| (one - other).abs() < 1e-3 * 100.0));
     }
 
     #[test]

@@ -67,8 +67,8 @@ fn what_is_no_bearing_is_refused_with_what_to_give() {
         ("9,3,17,-5", ["--bearing", "from 0 to 60 degrees, not -5"]),
         ("2,3,17,10", ["--bearing", "whole one from 3 to 100, not 2"]),
         ("9,17,3,10", ["number of balls, ball diameter", "pitch diameter 3"]),
-        ("6214", ["did you mean 62", "number of balls, ball diameter"]),
-        ("7205B", ["did you mean 7205", "contact angle in degrees"]),
+        ("6214", ["6214 is not in the table of published bearings: give four numbers", "BPFO and BPFI: --orders"]),
+        ("7205B", ["7205B is not in the table of published bearings: give", "contact angle in degrees"]),
     ] {
         refuse(dir, &format!("{TRAIN} --bearing {bearing}"), &expected);
     }

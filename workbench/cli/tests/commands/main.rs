@@ -28,6 +28,7 @@ mod listen_alarm_command;
 mod listen_command;
 mod listen_raw_command;
 mod missing_commands;
+mod motors_commands;
 mod names_of_causes;
 mod pages;
 mod rising_commands;

@@ -59,9 +59,10 @@ pub fn findings(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Vec<String> {
     }
     let turned = |row: usize| wrapped(angle[row + 1] - angle[row]);
     let expected = |row: usize| 0.5 * (velocity[row] + velocity[row + 1]) / rate_hz;
-    let moves: Vec<(f64, f64)> = (0..rows - 1).map(|row| (turned(row), expected(row))).collect();
+    // Of a long recording the moves are computed again rather than kept.
+    let moves = || (0..rows - 1).map(|row| (turned(row), expected(row)));
     // Above half a turn a row nothing can be told.
-    if moves.iter().any(|(_, expected)| expected.abs() > PI / 2.0) {
+    if moves().any(|(_, expected)| expected.abs() > PI / 2.0) {
         return vec!["the shaft turns by more than a quarter of a turn a row: the angle is too slow".into()];
     }
     if let Some(scaled) = scale(&moves) {
@@ -70,11 +71,11 @@ pub fn findings(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Vec<String> {
     if let Some(ratio) = velocity_ratio(angle, velocity, rate_hz) {
         return vec![format!("the velocity is {ratio:.4} times the slope of the angle: its unit or gain, or the rate")];
     }
-    let errors: Vec<f64> = moves.iter().map(|(step, expected)| wrapped(step - expected)).collect();
-    let limit = (DEVIATIONS * 1.4826 * middle(&errors)).max(LEAST_RAD);
+    let errors: Vec<f64> = moves().map(|(step, expected)| wrapped(step - expected)).collect();
+    let limit = (DEVIATIONS * 1.4826 * middle(errors.iter().copied())).max(LEAST_RAD);
     let large: Vec<usize> = (0..errors.len()).filter(|row| errors[*row].abs() > limit).collect();
-    let mut findings = steps((angle, &errors, &moves), &large);
-    findings.extend(periodic(angle, &moves, &errors, limit));
+    let mut findings = steps((angle, &errors, &expected), &large);
+    findings.extend(periodic(angle, &expected, &errors, limit));
     findings
 }
 
@@ -99,15 +100,14 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 /// The median magnitude.
-fn middle(x: &[f64]) -> f64 {
-    crate::trace::median(x.iter().map(|x| x.abs()).collect::<Vec<_>>())
+fn middle(x: impl Iterator<Item = f64>) -> f64 {
+    crate::trace::median(x.map(f64::abs).collect::<Vec<_>>())
 }
 
 /// A reversed or scaled angle, by the median ratio of its steps to those of the velocity.
-fn scale(moves: &[(f64, f64)]) -> Option<String> {
-    let usual = middle(&moves.iter().map(|(_, expected)| *expected).collect::<Vec<_>>());
-    let ratios: Vec<f64> =
-        moves.iter().filter(|(_, own)| own.abs() > 0.5 * usual).map(|(step, own)| step / own).collect();
+fn scale<M: Iterator<Item = (f64, f64)>>(moves: &dyn Fn() -> M) -> Option<String> {
+    let usual = middle(moves().map(|(_, expected)| expected));
+    let ratios: Vec<f64> = moves().filter(|(_, own)| own.abs() > 0.5 * usual).map(|(step, own)| step / own).collect();
     let slope = crate::trace::median(ratios);
     if slope.is_nan() || usual <= 0.0 || (slope - 1.0).abs() < SCALE {
         return None;
@@ -124,15 +124,15 @@ fn scale(moves: &[(f64, f64)]) -> Option<String> {
 /// The ratio (3) of a velocity, rad/s, that is not the slope of the angle, rad; `None` if it is, or is not known.
 #[must_use]
 pub fn velocity_ratio(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Option<f64> {
-    let pairs = angle.windows(2).zip(velocity.windows(2));
-    let moves: Vec<(f64, f64)> =
-        pairs.map(|(angle, w)| (wrapped(angle[1] - angle[0]), 0.5 * (w[0] + w[1]) / rate_hz)).collect();
-    let known = moves.iter().filter(|(x, y)| (x + y).is_finite());
+    // Of a long recording the moves are made twice rather than kept.
+    let of_pair = |(angle, w): (&[f64], &[f64])| (wrapped(angle[1] - angle[0]), 0.5 * (w[0] + w[1]) / rate_hz);
+    let moves = || angle.windows(2).zip(velocity.windows(2)).map(of_pair);
+    let known = moves().filter(|(x, y)| (x + y).is_finite());
     let (squares, count) = known.fold((0.0, 0_usize), |(sum, count), (x, _)| (sum + x * x, count + 1));
     let slowest = SLOWEST * (squares / count.max(1) as f64).sqrt();
     let mut blocks: Vec<(f64, f64)> = Vec::new();
     let (mut x, mut y, mut rows) = (0.0, 0.0, 0.0);
-    for (by_angle, by_velocity) in moves {
+    for (by_angle, by_velocity) in moves() {
         (x, y, rows) = (x + by_angle, y + by_velocity, rows + 1.0);
         let is_full = x.abs() >= PI / 4.0;
         if is_full && x.abs() > slowest * rows {
@@ -145,7 +145,7 @@ pub fn velocity_ratio(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Option<f
     // An angle that is filtered across its wrap, or slips, has some wrong blocks, or no common ratio.
     let ratios: Vec<f64> = blocks.iter().map(|(x, y)| y / x).collect();
     let ratio = crate::trace::median(&ratios[..]);
-    let scatter = middle(&ratios.iter().map(|own| own - ratio).collect::<Vec<_>>());
+    let scatter = middle(ratios.iter().map(|own| own - ratio));
     let deviation = 1.25 * 1.4826 * scatter / (blocks.len() as f64).sqrt();
     let is_common = 1.4826 * scatter < ALIKE * ratio.abs();
     let is_off = is_common && blocks.len() >= BLOCKS && (ratio - 1.0).abs() > RATIO + 3.0 * deviation;
@@ -160,7 +160,7 @@ pub fn lost_rows(angle: &[f64]) -> Option<String> {
     if changes.len() < FEWEST {
         return None;
     }
-    let least = CLEAR * step(&angle[..angle.len().min(STEPS)]).max(1.4826 * middle(&changes));
+    let least = CLEAR * step(&angle[..angle.len().min(STEPS)]).max(1.4826 * middle(changes.iter().copied()));
     let is_lost = |row: &usize| {
         let (before, behind) = (moves[row - 1], moves[row + 1]);
         let usual = 0.5 * (before + behind);
@@ -187,7 +187,7 @@ fn named(rows: &[usize]) -> String {
 }
 
 /// Steps at the wrap, backwards, spikes and slips.
-fn steps((angle, errors, moves): (&[f64], &[f64], &[(f64, f64)]), large: &[usize]) -> Vec<String> {
+fn steps((angle, errors, expected): (&[f64], &[f64], &dyn Fn(usize) -> f64), large: &[usize]) -> Vec<String> {
     if large.is_empty() {
         return vec![];
     }
@@ -223,7 +223,7 @@ fn steps((angle, errors, moves): (&[f64], &[f64], &[(f64, f64)]), large: &[usize
         let sum: f64 = errors[*first..=*last].iter().sum();
         let most = errors[*first..=*last].iter().fold(0.0_f64, |most, e| most.max(e.abs()));
         // A spike against the motion turns back first, one along it afterwards.
-        let is_against = errors[*first] * moves[*first].1 < 0.0;
+        let is_against = errors[*first] * expected(*first) < 0.0;
         match () {
             () if sum.abs() > STAYS * most => slips.push((*first, sum)),
             () if is_against => backwards.push(*first),
@@ -246,7 +246,7 @@ fn steps((angle, errors, moves): (&[f64], &[f64], &[(f64, f64)]), large: &[usize
     }
     if !slips.is_empty() {
         let rows: Vec<usize> = slips.iter().map(|(row, _)| *row).collect();
-        let size = middle(&slips.iter().map(|(_, sum)| *sum).collect::<Vec<_>>());
+        let size = middle(slips.iter().map(|(_, sum)| *sum));
         found.push(format!(
             "the angle slips by about {size:.4} rad at {}; lost counts, or the velocity is wrong there",
             named(&rows)
@@ -256,13 +256,13 @@ fn steps((angle, errors, moves): (&[f64], &[f64], &[(f64, f64)]), large: &[usize
 }
 
 /// The largest periodic error (2) of the angle.
-fn periodic(angle: &[f64], moves: &[(f64, f64)], errors: &[f64], limit: f64) -> Option<String> {
+fn periodic(angle: &[f64], expected: &dyn Fn(usize) -> f64, errors: &[f64], limit: f64) -> Option<String> {
     let of_order = |order: usize| -> Option<(f64, f64, usize)> {
         let (mut normal, mut right, mut rest) = (Matrix2::zeros(), Vector2::zeros(), 0.0);
-        for (row, (error, (_, expected))) in errors.iter().zip(moves).enumerate().filter(|(_, (e, _))| e.abs() <= limit)
-        {
+        for (row, error) in errors.iter().enumerate().filter(|(_, error)| error.abs() <= limit) {
+            let expected = expected(row);
             let at = order as f64 * (angle[row] + 0.5 * expected);
-            let regressor = Vector2::new(at.cos(), at.sin()) * *expected;
+            let regressor = Vector2::new(at.cos(), at.sin()) * expected;
             normal += regressor * regressor.transpose();
             right += regressor * *error;
             rest += error * error;

@@ -6,7 +6,7 @@
 //! smallest   (t √(1 + 1/n) + 1.28) s                                                          (3)
 //! ```
 //!
-//! Every signal of (1) passes one low-pass filter. A term that the others make up is left out. Changes are given in the
+//! Every signal of (1) passes one low-pass filter, behind which a long recording is decimated. A term that the others make up is left out. Changes are given in the
 //! unit of the current, at the usual (rms) size of the term. In (3), s is the deviation of p over the n healthy traces
 //! and t the quantile of Student's distribution with n − 1 degrees of freedom at the rate of false alarms: a change of
 //! that size is found in 9 of 10 traces of a drive like these. By noise alone, s is the deviation of the estimate of
@@ -30,6 +30,9 @@ const CUTOFF_PART: f64 = 0.1;
 const SETTLED: f64 = 1.6;
 /// Least part of its own that a term must have (2).
 const OWN: f64 = 1e-3;
+/// Rows up to which all are taken, and samples of the settling time that are left of more.
+const ALL: usize = 1_000_000;
+const LEFT: usize = 32;
 /// 90 % quantile of the normal distribution.
 const POWER: f64 = 1.28;
 /// Fewest healthy traces of which a spread is given.
@@ -59,6 +62,11 @@ impl Terms {
     /// Estimates (1); `None` for a trace that is too short or does not move.
     #[must_use]
     pub fn of(motion: &Motion<'_>) -> Option<Self> {
+        Self::of_long(motion, ALL)
+    }
+
+    /// The same; of more than `all` rows the filtered signals are decimated.
+    fn of_long(motion: &Motion<'_>, all: usize) -> Option<Self> {
         let cutoff = (CUTOFF_HZ / motion.rate_hz).min(CUTOFF_PART);
         let dropped = (SETTLED / cutoff).ceil() as usize;
         let rows = motion.current.len().min(motion.velocity.len());
@@ -67,15 +75,17 @@ impl Terms {
             return None;
         }
         let filter = LowPass::butterworth(1, cutoff);
-        let smooth = |x: &[f64]| settled(filter.forward(&x[..rows]), dropped);
+        // 20 samples in a period of the cut-off: what is folded back is below a hundredth.
+        let every = (dropped / LEFT).min(rows / all).max(1);
+        let smooth = |x: &[f64]| settled(filter.forward(&x[..rows]), dropped, every);
         let direction: Vec<f64> = motion.velocity[..rows].iter().map(|v| (v / (0.05 * size)).tanh()).collect();
-        let slope = settled(filter.derivative(&motion.velocity[..rows]), dropped) * motion.rate_hz;
+        let slope = settled(filter.derivative(&motion.velocity[..rows]), dropped, every) * motion.rate_hz;
         let mut columns = [
             Some(slope),
             Some(smooth(motion.velocity)),
             Some(smooth(&direction)),
             motion.load.map(smooth),
-            Some(DVector::from_element(rows - dropped, 1.0)),
+            Some(DVector::from_element((rows - dropped).div_ceil(every), 1.0)),
         ];
         drop(direction);
         // The constant and the velocity first: other terms are left out for them, not they for others.
@@ -89,7 +99,7 @@ impl Terms {
         }
         kept.sort_unstable();
         let chosen: Vec<DVector<f64>> = kept.iter().filter_map(|&k| columns[k].take()).collect();
-        let solution = solve(&chosen, &smooth(motion.current), dropped)?;
+        let solution = solve(&chosen, &smooth(motion.current), dropped / every)?;
         let mut of = [None; 5];
         for (k, &term) in kept.iter().enumerate() {
             let usual = chosen[k].norm() / (chosen[k].len() as f64).sqrt();
@@ -100,10 +110,13 @@ impl Terms {
     }
 }
 
-/// A filtered signal without its first rows.
-fn settled(mut x: Vec<f64>, dropped: usize) -> DVector<f64> {
-    x.drain(..dropped);
-    DVector::from_vec(x)
+/// One of so many rows of a filtered signal, without its first rows.
+fn settled(mut x: Vec<f64>, dropped: usize, every: usize) -> DVector<f64> {
+    if every == 1 {
+        x.drain(..dropped);
+        return DVector::from_vec(x);
+    }
+    DVector::from_vec(x.into_iter().skip(dropped).step_by(every).collect())
 }
 
 /// One term over the traces.
@@ -233,6 +246,21 @@ mod tests {
         // 90 %: standard deviation 4 %.
         let seen = seen.count();
         assert!((47..=60).contains(&seen), "{seen} of 60");
+    }
+
+    #[test]
+    fn a_long_recording_has_the_terms_of_all_its_rows() {
+        let trace = simulate(&Scenario::STANDARD, trace_seed(5, DefectKind::Healthy, 3)).expect("scenario");
+        let (current, velocity) = (&trace.current_a, &trace.velocity_rad_s);
+        let motion = Motion { current, velocity, load: Some(&trace.load_torque_nm), rate_hz: 500.0 };
+        let [all, decimated] = [ALL, 1000].map(|all| Terms::of_long(&motion, all).expect("motion").of);
+        for (one, other) in all.iter().zip(&decimated) {
+            let (Some(one), Some(other)) = (one, other) else { panic!("{all:?} {decimated:?}") };
+            // Of the deviation, which the decimated rows estimate anew; it scatters by a tenth.
+            assert!((one[0] - other[0]).abs() < 0.5 * one[1], "{one:?} {other:?}");
+            assert!((other[1] / one[1] - 1.0).abs() < 0.3, "{one:?} {other:?}");
+            assert!((other[2] / one[2] - 1.0).abs() < 0.05, "{one:?} {other:?}");
+        }
     }
 
     #[test]

@@ -12,4 +12,4 @@ pub mod sessions;
 pub mod sums;
 pub mod times;
 
-pub use columns::{bits, column, held};
+pub use columns::{bits, column, held, signs};

@@ -163,13 +163,48 @@ fn are_suffixes(text: &str) -> bool {
     text.is_empty() || SUFFIXES.iter().filter_map(|own| text.strip_prefix(own)).any(are_suffixes)
 }
 
-/// The nearest designations; those that begin alike first.
+/// Series of usual bearings, by the digits before those of the bore: deep groove, angular contact, self-aligning,
+/// tapered and spherical ones, and behind letters cylindrical rollers and four-point contact.
+const SERIES: [&str; 32] = [
+    "60", "62", "63", "64", "160", "617", "618", "619", "622", "623", "630", "70", "72", "73", "718", "719", "12",
+    "13", "22", "23", "32", "33", "302", "303", "313", "320", "322", "323", "213", "222", "223", "232",
+];
+const LETTERED: [&str; 7] = ["2", "3", "4", "10", "19", "22", "23"];
+const LETTERS: [&str; 7] = ["N", "NU", "NJ", "NUP", "NF", "RNU", "QJ"];
+/// Largest code of the bore of a usual bearing: 200 mm.
+const MOST_BORE: u32 = 40;
+
+/// Whether this is the designation of a usual bearing, so that a similar one is not meant.
+fn is_designation(key: &str) -> bool {
+    let letters = key.bytes().take_while(u8::is_ascii_alphabetic).count();
+    let (prefix, rest) = key.split_at(letters);
+    let number = &rest[..digits(rest)];
+    let series = match prefix {
+        "" | "B" => &SERIES[..],
+        _ if LETTERS.contains(&prefix) => &LETTERED[..],
+        _ => return false,
+    };
+    let is_bore = |bore: &str| match bore.len() {
+        // 608, 626: miniature bearings have the bore in mm.
+        1 => prefix.is_empty() && bore != "0",
+        2 => bore.parse().is_ok_and(|bore: u32| bore <= MOST_BORE),
+        _ => false,
+    };
+    series.iter().any(|series| number.strip_prefix(series).is_some_and(is_bore))
+}
+
+/// The nearest designations, those that begin alike first; none if the designation is that of another bearing.
 fn near(key: &str) -> Vec<&'static str> {
     let known = || rows().iter().map(|own| own.designation);
     let letters = key.bytes().take_while(u8::is_ascii_alphabetic).count();
     let stem = &key[..letters + digits(&key[letters..])];
     let mut near: Vec<&str> = known().filter(|own| stem.len() > 2 && own.starts_with(stem)).collect();
-    near.extend(nearest(key, known()));
+    if !is_designation(key) {
+        near.extend(nearest(key, known()));
+    } else if key.starts_with('7') && key[stem.len()..].starts_with(['A', 'B']) {
+        // Of 30 and 40 degrees, with other balls than the ones of spindles.
+        near.clear();
+    }
     let mut unique: Vec<&str> = Vec::new();
     near.into_iter().for_each(|own| {
         if !unique.contains(&own) {
@@ -253,10 +288,13 @@ mod tests {
     #[test]
     fn other_sets_of_balls_and_unknown_bearings_are_not_guessed() {
         for (text, near) in
-            [("6214", "6204"), ("7205", "7205C"), ("7205BEP", "7205C"), ("6205ETN9", "6205"), ("1205", "1205ETN9")]
+            [("6241", "6201"), ("7205", "7205C"), ("620", "6200"), ("6205ETN9", "6205"), ("1205", "1205ETN9")]
         {
             let unknown = find(text).expect_err(text);
             assert!(unknown.contains(&near), "{text}: {unknown:?}");
+        }
+        for other in ["6214", "6308-2RS", "NU308", "7205BEP", "7308B", "7205A", "16008", "NJ 2210 EC", "22212"] {
+            assert_eq!(find(other), Err(vec![]), "{other}");
         }
         assert_eq!(find("washer"), Err(vec![]));
         assert_eq!(find(""), Err(vec![]));

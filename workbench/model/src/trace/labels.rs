@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Recorded, Trace, TraceNames, composed, trace_name};
 use crate::Error;
-use crate::near::{among, did_you_mean};
+use crate::near::{among, did_you_mean, list};
 
 /// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
 ///
@@ -62,6 +62,12 @@ impl Condition {
         &self.column
     }
 
+    /// Whether its value is to be filled in.
+    #[must_use]
+    pub fn is_question(&self) -> bool {
+        self.value == "?"
+    }
+
     /// Whether it holds for a cell of the column.
     ///
     /// # Errors
@@ -106,12 +112,12 @@ pub struct LabelledTrace {
 }
 
 impl Labels {
-    /// The number of different cells of a column; 0 if there is no such column.
+    /// The different cells of a column, sorted; none if there is no such column.
     #[must_use]
-    pub fn different(&self, column: &str) -> usize {
+    pub fn distinct(&self, column: &str) -> Vec<String> {
         let place = self.columns.iter().position(|own| own == column);
         let cells = place.into_iter().flat_map(|place| self.rows.iter().map(move |row| row[place].as_str()));
-        cells.collect::<std::collections::HashSet<_>>().len()
+        cells.collect::<std::collections::BTreeSet<_>>().into_iter().map(String::from).collect()
     }
 
     /// Whether two traces of one class have the same cell of a column, as those of one run do.
@@ -203,6 +209,11 @@ impl Labels {
     /// An unknown column, an order comparison of text, or no remaining row.
     pub fn select(&self, conditions: &[Condition]) -> Result<Vec<(String, String)>, Error> {
         let class = self.column("class_name")?;
+        if let Some(asked) = conditions.iter().find(|condition| condition.is_question()) {
+            let all = list(&self.distinct(&asked.column));
+            let problem = format!("where {asked} is a question: write one of {all}, or leave it out if they are alike");
+            return Err(Error::content(&self.path, "selection", problem));
+        }
         let columns = conditions.iter().map(|c| self.column(&c.column)).collect::<Result<Vec<_>, _>>()?;
         let mut chosen = Vec::new();
         for (k, (row, id)) in self.rows.iter().zip(&self.ids).enumerate() {

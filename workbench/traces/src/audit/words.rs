@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::audited::{Audited, Finding, Line, Outcome};
 use model::audit::column::Column;
 use model::audit::friction::Excited;
+use model::audit::signs::Signs;
 use model::trace::Tally;
 use model::trace::median;
 
@@ -95,12 +96,12 @@ impl Outcome {
                 saturated,
                 missing,
                 outside,
-                unsigned,
+                signs,
             } = column;
             json!({
                 "column": name, "mean": mean, "deviation": deviation, "least": least, "largest": largest, "step": step,
                 "changes_every_rows": every, "changing": changing, "held": held, "saturated": saturated,
-                "missing": missing, "rows_outside": outside.map_or(0, |(_, count)| count), "unsigned_values": unsigned
+                "missing": missing, "rows_outside": outside.map_or(0, |(_, count)| count), "signs": signs.map(Signs::word)
             })
         };
         let trace = |trace: &Audited| {

@@ -20,6 +20,7 @@ use model::audit::orders::{self, floor, rate, rate_anywhere, smallest_line, turn
 use model::session::Log;
 use model::settings::{Data, Settings, Signals, healthy_class};
 use model::trace::front_end::FrontEndFile;
+use model::trace::labels::Condition;
 use model::trace::{Cells, Channels, Labels, Recorded, Trace, trace_name};
 
 /// What follows the name of a trace before the front end.
@@ -46,6 +47,8 @@ impl Audit {
         // A file that has no label and none of the channels is a table of something else.
         let labels = self.settings.data.labels.as_deref().map(crate::read_labels).transpose()?;
         let is_other = |file: &Candidate| labels.is_some() && !file.is_labelled();
+        let (asked, conditions): (Vec<Condition>, Vec<Condition>) =
+            self.settings.data.conditions.iter().cloned().partition(Condition::is_question);
         for (file, found) in files.iter().zip(all) {
             match found {
                 Ok(found) => traces.extend(found),
@@ -68,17 +71,20 @@ impl Audit {
         if let Some(names) = labels.as_ref().map(Labels::names) {
             let is_bare = |trace: &&Audited| !names.has(&trace.id) && !trace.id.ends_with(AS_RECORDED);
             let bare = traces.iter().filter(is_bare).map(|trace| trace.id.clone());
-            let is_chosen = !self.settings.data.conditions.is_empty();
+            let is_chosen = !conditions.is_empty();
             let then = if is_chosen { LEFT_OUT } else { "audited without a class" };
             log.warn(told_unlabelled(&bare.collect::<Vec<_>>(), then));
         }
-        if let Some(labels) = labels.as_ref().filter(|_| !self.settings.data.conditions.is_empty()) {
-            let chosen = labels.select(&self.settings.data.conditions)?;
+        if let Some(labels) = labels.as_ref().filter(|_| !conditions.is_empty()) {
+            let chosen = labels.select(&conditions)?;
             let chosen: HashSet<&str> = chosen.iter().map(|(id, _)| id.as_str()).collect();
             traces.retain(|trace| chosen.contains(trace.id.as_str()));
             if traces.is_empty() {
                 return Err(Error::Usage("--where: no trace that meets the conditions was found".into()));
             }
+        }
+        for condition in asked {
+            add(&mut findings, format!("where {condition} is a question: all are audited"), "all");
         }
         for trace in &traces {
             trace.findings(&mut findings);

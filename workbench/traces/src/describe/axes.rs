@@ -1,58 +1,228 @@
-//! Which axis of a recording of several is described: the one that moves.
+//! Columns of several motors in one recording, and which of them is described.
+//!
+//! ```text
+//! axis1_iq, axis1_speed, axis2_iq, axis2_speed      parts of names that stand at one place of alike names: 1, 2
+//! iq_L, speed_L, iq_R, speed_R                      L, R
+//! /motor_a/iq, /motor_a/pos, /motor_b/iq, …         a, b
+//! ```
+//!
+//! A part is an axis if its columns without it are a current and a motion. If one axis moves it is taken, and said;
+//! of several the user is asked: its part of the names is a question mark.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::guess::Guess;
+use super::guess::{Guess, is_current};
 use model::statistics::mean_sd;
-use model::trace::{bridged, words};
+use model::trace::bridged;
 
 /// Part of the largest motion below which an axis rests.
 const RESTS: f64 = 0.05;
+/// Parts of names that tell no motors apart: components, and what is made of a signal.
+const NO_AXES: [&str; 41] = [
+    "d",
+    "q",
+    "alpha",
+    "beta",
+    "ref",
+    "cmd",
+    "set",
+    "soll",
+    "ist",
+    "act",
+    "actual",
+    "meas",
+    "measured",
+    "raw",
+    "filt",
+    "filtered",
+    "lp",
+    "est",
+    "estimated",
+    "obs",
+    "sim",
+    "model",
+    "min",
+    "max",
+    "mean",
+    "avg",
+    "rms",
+    "std",
+    "peak",
+    "error",
+    "err",
+    "diff",
+    "bus",
+    "dc",
+    "supply",
+    "in",
+    "phase",
+    "sin",
+    "cos",
+    "old",
+    "new",
+];
 
-/// The columns of the axis that moves and those of no axis, with a sentence that says which one was taken; `None` if
-/// there are not several axes.
-pub(super) fn of_moving(names: &[String], columns: &[Vec<f64>]) -> Option<(Vec<String>, String)> {
-    let mut axes: BTreeMap<u32, Vec<String>> = BTreeMap::new();
-    for name in names {
-        if let Some(axis) = axis(name) {
-            axes.entry(axis).or_default().push(name.clone());
-        }
-    }
-    let deviation = |name: &String| {
-        let place = names.iter().position(|own| own == name)?;
-        Some(mean_sd(&bridged(columns.get(place)?)).1)
-    };
-    let moves = |names: &Vec<String>| {
-        let guess = Guess::of(names);
-        guess.current.as_ref()?;
-        deviation(guess.velocity.as_ref().or(guess.angle.as_ref())?)
-    };
-    let motions: Vec<(u32, f64)> = axes.iter().filter_map(|(axis, names)| Some((*axis, moves(names)?))).collect();
-    let largest = motions.iter().map(|(_, deviation)| *deviation).fold(0.0, f64::max);
-    let moving: Vec<u32> = motions.iter().filter(|(_, own)| *own > RESTS * largest).map(|(axis, _)| *axis).collect();
-    let (taken, others) = moving.split_first().filter(|_| motions.len() > 1)?;
-    let kept = names.iter().filter(|name| axis(name).is_none_or(|axis| axis == *taken)).cloned().collect();
-    let list: Vec<String> = others.iter().map(ToString::to_string).collect();
-    let said = match &list[..] {
-        [] => format!("axis {taken} is taken: the others rest"),
-        others => format!("axis {taken} is taken; {} move too: which one has the bearing?", others.join(", ")),
-    };
-    Some((kept, said))
+/// A part of a name: its text in lower case, and where it is.
+struct Part {
+    text: String,
+    start: usize,
+    end: usize,
 }
 
-/// The number of the axis in the name of a column.
-fn axis(name: &str) -> Option<u32> {
-    words(name).iter().find_map(|word| word.trim_start_matches(['j', 'm']).parse().ok())
+/// The letters and the numbers of a name, one after another.
+fn parts(name: &str) -> Vec<Part> {
+    let mut all: Vec<Part> = Vec::new();
+    let mut before = ' ';
+    for (start, c) in name.char_indices() {
+        let joins = c.is_alphanumeric()
+            && before.is_alphanumeric()
+            && c.is_numeric() == before.is_numeric()
+            && !(c.is_uppercase() && before.is_lowercase());
+        match all.last_mut().filter(|_| joins) {
+            Some(part) => {
+                part.text.extend(c.to_lowercase());
+                part.end = start + c.len_utf8();
+            }
+            None if c.is_alphanumeric() => {
+                all.push(Part { text: c.to_lowercase().collect(), start, end: start + c.len_utf8() });
+            }
+            None => {}
+        }
+        before = c;
+    }
+    all
+}
+
+/// The columns of an axis: their places, and where its part of the name is.
+type Columns = BTreeMap<usize, (usize, usize)>;
+
+/// The columns of each part that stands with others at one place of alike names, where these have letters beside it.
+fn families(names: &[String]) -> BTreeMap<String, Columns> {
+    let mut alike: BTreeMap<(String, String), Vec<(usize, Part)>> = BTreeMap::new();
+    for (place, name) in names.iter().enumerate() {
+        for part in parts(name) {
+            let ends = (name[..part.start].to_string(), name[part.end..].to_string());
+            let has_letters = ends.0.contains(char::is_alphabetic) || ends.1.contains(char::is_alphabetic);
+            if has_letters && !NO_AXES.contains(&part.text.as_str()) {
+                alike.entry(ends).or_default().push((place, part));
+            }
+        }
+    }
+    let mut of: BTreeMap<String, Columns> = BTreeMap::new();
+    for (place, part) in alike.into_values().filter(|own| own.len() > 1).flatten() {
+        of.entry(part.text).or_default().insert(place, (part.start, part.end));
+    }
+    of
+}
+
+/// The columns without their part.
+fn without(names: &[String], columns: &Columns) -> Vec<String> {
+    columns.iter().map(|(place, (start, end))| names[*place][..*start].to_string() + &names[*place][*end..]).collect()
+}
+
+/// The axes of these columns, each with its columns; empty if there are not several.
+fn axes(names: &[String]) -> BTreeMap<String, Columns> {
+    let mut families = families(names);
+    let phases = Guess::of(names).phases;
+    families.values_mut().for_each(|own| own.retain(|place, _| !phases.contains(&names[*place])));
+    let whole = |own: &Columns| {
+        let guess = Guess::of(&without(names, own));
+        guess.current.is_some() && (guess.velocity.is_some() || guess.angle.is_some())
+    };
+    let several: BTreeMap<String, Columns> =
+        families.iter().filter(|(_, own)| whole(own)).map(|(part, own)| (part.clone(), own.clone())).collect();
+    if several.len() > 1 {
+        return several;
+    }
+    // Of several motors the motion may be in one column, or not recorded.
+    let is_short = |part: &String| part.chars().count() == 1 || ["left", "right"].contains(&part.as_str());
+    let of_current = |(part, own): (String, Columns)| {
+        let currents: Columns = own
+            .into_iter()
+            .filter(|(place, (start, end))| is_current(&(names[*place][..*start].to_string() + &names[*place][*end..])))
+            .collect();
+        (is_short(&part) && !currents.is_empty()).then_some((part, currents))
+    };
+    let currents: BTreeMap<String, Columns> = families.into_iter().filter_map(of_current).collect();
+    // Three alike are the phases.
+    if currents.len() == 2 || currents.len() > 3 { currents } else { BTreeMap::new() }
+}
+
+/// Which axis is described.
+#[derive(Debug)]
+pub(crate) struct Axes {
+    /// The columns of this axis and those of none.
+    pub(crate) kept: Vec<String>,
+    /// What is said or asked.
+    pub(crate) said: String,
+    /// The columns of this axis, and as they are asked for; empty if the others rest.
+    asked: Vec<(String, String)>,
+}
+
+impl Axes {
+    /// Of a recording with these columns; `None` if there are not several axes.
+    pub(crate) fn of(names: &[String], columns: &[Vec<f64>]) -> Option<Self> {
+        let all = axes(names);
+        if all.is_empty() {
+            return None;
+        }
+        let deviation = |name: &String| {
+            let place = names.iter().position(|own| own == name)?;
+            Some(mean_sd(&bridged(columns.get(place)?)).1)
+        };
+        let motion = |own: &Columns| {
+            let list: Vec<String> = own.keys().map(|place| names[*place].clone()).collect();
+            let guess = Guess::of(&list);
+            deviation(guess.velocity.as_ref().or(guess.angle.as_ref()).or(guess.current.as_ref())?)
+        };
+        let motions: Vec<(&String, f64)> = all.iter().map(|(part, own)| (part, motion(own).unwrap_or(0.0))).collect();
+        let largest = motions.iter().map(|(_, deviation)| *deviation).fold(0.0, f64::max);
+        let moving: Vec<&String> =
+            motions.iter().filter(|(_, own)| *own > RESTS * largest).map(|(part, _)| *part).collect();
+        let taken = *moving.first()?;
+        let others: BTreeSet<usize> =
+            all.iter().filter(|(part, _)| *part != taken).flat_map(|(_, own)| own.keys().copied()).collect();
+        let kept = (0..names.len()).filter(|place| !others.contains(place)).map(|place| names[place].clone()).collect();
+        let written = |part: &String| {
+            let (place, (start, end)) = all[part].iter().next().map(|(place, own)| (*place, *own)).unwrap_or_default();
+            names[place][start..end].to_string()
+        };
+        let list = moving.iter().map(|part| written(part)).collect::<Vec<_>>().join(", ");
+        let mark = |(place, (start, end)): (&usize, &(usize, usize))| {
+            let name = &names[*place];
+            (name.clone(), format!("{}?{}", &name[..*start], &name[*end..]))
+        };
+        let is_asked = moving.len() > 1;
+        let said = if is_asked {
+            format!("several motors move: which one has the bearing, {list}?")
+        } else {
+            format!("axis {list} is taken: the others rest")
+        };
+        let asked = if is_asked { all[taken].iter().map(mark).collect() } else { vec![] };
+        Some(Self { kept, said, asked })
+    }
+
+    /// Whether the user is asked.
+    pub(crate) fn is_question(&self) -> bool {
+        !self.asked.is_empty()
+    }
+
+    /// A channel or a list of features with a question mark in the place of the axis.
+    pub(crate) fn question(&self, text: &str) -> String {
+        let mut own: Vec<&(String, String)> = self.asked.iter().collect();
+        own.sort_by_key(|(name, _)| usize::MAX - name.len());
+        own.into_iter().fold(text.to_string(), |text, (name, asked)| text.replace(name.as_str(), asked))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn of(names: &[&str], motions: &[f64]) -> Option<(Vec<String>, String)> {
+    fn of(names: &[&str], motions: &[f64]) -> Option<Axes> {
         let names: Vec<String> = names.iter().map(ToString::to_string).collect();
         let wave = |size: &f64| (0..500).map(|k| size * (0.05 * f64::from(k)).sin()).collect();
-        of_moving(&names, &motions.iter().map(wave).collect::<Vec<_>>())
+        Axes::of(&names, &motions.iter().map(wave).collect::<Vec<_>>())
     }
 
     #[test]
@@ -66,14 +236,57 @@ mod tests {
                 "axis3.current",
             ),
         ] {
-            let (kept, said) = of(names, motions).expect("several axes");
-            assert_eq!(kept[0], first);
-            assert!(said.ends_with("the others rest"), "{said}");
+            let axes = of(names, motions).expect("several axes");
+            assert_eq!(axes.kept[0], first);
+            assert!(axes.said.ends_with("the others rest") && !axes.is_question(), "{axes:?}");
         }
-        let (kept, said) = of(&["iq1", "vel1", "iq2", "vel2"], &[1.0, 30.0, 1.0, 20.0]).expect("several axes");
-        assert_eq!(kept, ["iq1", "vel1"]);
-        assert!(said.contains("2 move too: which one has the bearing?"), "{said}");
-        assert!(of(&["iq1_A", "vel1", "torque2"], &[1.0; 3]).is_none());
-        assert!(of(&["current_a", "velocity_rad_s"], &[1.0; 2]).is_none());
+    }
+
+    #[test]
+    fn of_several_that_move_the_user_is_asked() {
+        for (names, channel, asked, list) in [
+            (&["iq1", "vel1", "iq2", "vel2"][..], "iq1", "iq?", "1, 2?"),
+            (&["axis1_iq_A", "axis1_speed", "axis2_iq_A", "axis2_speed"], "axis1_iq_A", "axis?_iq_A", "1, 2?"),
+            (&["iq_L", "iq_R", "speed_L", "speed_R", "theta_L", "theta_R"], "speed_L[rpm]", "speed_?[rpm]", "L, R?"),
+            (&["/motor_a/iq", "/motor_a/pos", "/motor_b/iq", "/motor_b/pos"], "/motor_a/iq", "/motor_?/iq", "a, b?"),
+            (&["X_Current [A]", "X_Pos", "Z_Current [A]", "Z_Pos"], "X_Pos", "?_Pos", "X, Z?"),
+            (&["J1Current", "J1Speed", "J6Current", "J6Speed"], "J1Speed", "J?Speed", "1, 6?"),
+            (&["left.current", "left.speed", "right.current", "right.speed"], "left.speed", "?.speed", "left, right?"),
+            (
+                &["Strom Hauptspindel [A]", "Drehzahl Hauptspindel", "Strom Vorschub [A]", "Drehzahl Vorschub"],
+                "Drehzahl Hauptspindel",
+                "Drehzahl ?",
+                "Hauptspindel, Vorschub?",
+            ),
+            (&["iq_1", "iq_2", "speed"], "iq_1", "iq_?", "1, 2?"),
+            (&["current_1", "current_2", "current_3", "current_4", "rpm"], "current_1", "current_?", "1, 2, 3, 4?"),
+        ] {
+            let axes = of(names, &vec![1.0; names.len()]).unwrap_or_else(|| panic!("{names:?}"));
+            assert_eq!(axes.question(channel), asked);
+            assert!(axes.said.contains(list) && axes.is_question(), "{axes:?}");
+        }
+        let robots = ["R1_J1_iq", "R1_J1_w", "R1_J2_iq", "R1_J2_w", "R2_J1_iq", "R2_J1_w", "R2_J2_iq", "R2_J2_w"];
+        let axes = of(&robots, &[1.0; 8]).expect("several robots");
+        assert_eq!(axes.kept, ["R1_J1_iq", "R1_J1_w"]);
+    }
+
+    #[test]
+    fn one_motor_is_not_several() {
+        for names in [
+            &["iq1_A", "vel1", "torque2"][..],
+            &["current_a", "velocity_rad_s"],
+            &["i_d", "i_q", "v_d", "v_q", "w"],
+            &["ia_A", "ib_A", "ic_A", "speed"],
+            &["current_1", "current_2", "current_3", "speed"],
+            &["iq_ref", "iq_act", "speed_ref", "speed_act"],
+            &["iq_raw", "iq_filtered", "speed_raw", "speed_filtered"],
+            &["iq_mean", "speed_mean", "iq_max", "speed_max"],
+            &["current_a", "velocity_mm_s", "velocity_ref_mm_s", "position_mm", "position_ref_mm"],
+            &["iq_A", "id_A", "speed_rpm", "angle_deg", "load_torque_nm", "temperature_c"],
+            &["motor_iq", "motor_speed", "bus_current"],
+            &["current", "speed", "temp1", "temp2"],
+        ] {
+            assert!(of(names, &vec![1.0; names.len()]).is_none(), "{names:?}");
+        }
     }
 }

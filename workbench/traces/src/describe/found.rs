@@ -4,13 +4,14 @@ use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 use super::asked::Asked;
-use super::axes;
+use super::axes::Axes;
 use super::kinds::{LeftOut, kinds, label_of, most};
 use super::names::{self, Told};
 use super::proposal::Proposal;
 use super::raw::{self, Extremes, RawFrontEnd};
 use crate::front_end::OWN;
 use crate::listing::naming::Naming;
+use crate::signal::signs::ByName;
 use crate::table::Table;
 use crate::turning::Turning;
 use crate::{read_labels, reader};
@@ -47,6 +48,11 @@ pub(super) struct Found {
     pub(super) proposal: Proposal,
     /// The units of angle and velocity.
     pub(super) turning: Turning,
+    /// How columns are written whose numbers are signed ones without their sign.
+    pub(super) signs: ByName,
+    /// Which of several motors in one file is described, and the motors that files are of.
+    pub(super) axes: Option<Axes>,
+    pub(super) motors: Vec<String>,
     /// What was guessed or is asked of the channels, a sentence each.
     pub(super) doubts: Vec<String>,
     /// The front end of recordings at the control rate, if it was asked for.
@@ -72,7 +78,7 @@ impl Found {
         let traces = if single || of_others { own.files.clone() } else { folders_of(&data.traces, &own.files) };
         let table = Table::open_as(&own.files[0], &data.text_form())?;
         let read = |time: Option<&str>| reader::series(&table, (time, data.rate_hz), &names);
-        let (series, disorder) = match read(time) {
+        let (mut series, disorder) = match read(time) {
             // What is wrong with the time says more than what is wrong without it.
             Err(problem) if time.is_none() => match read(Some(reader::NO_TIME)) {
                 Ok(series) => (series, Some(problem.to_string())),
@@ -80,6 +86,13 @@ impl Found {
             },
             other => (other?, None),
         };
+        if let Some(first) = series.first_mut().filter(|_| asked.front_end.is_none()) {
+            first.columns.iter_mut().zip(&names).for_each(|(column, name)| {
+                if let Some(signs) = own.signs.get(name) {
+                    column.iter_mut().for_each(|x| *x = signs.decoded(*x));
+                }
+            });
+        }
         let first = series.first();
         let rows = first.map_or(0, |one| one.columns[0].len());
         let rate_hz = first.and_then(|one| Times::of(one.times_s.as_deref()?)).map(|times| times.rate_hz);
@@ -89,22 +102,32 @@ impl Found {
                 let problem = |problem: String| Error::content(&own.files[0], "front end", problem);
                 let phases = raw::phase_names(&names, &one.columns).map_err(problem)?;
                 let all = extremes(&own.files, &phases, data);
-                Some(raw::front_end((&names, &one.columns), rate_hz, all).map_err(problem)?)
+                let made = raw::front_end((&names, &one.columns), rate_hz, all).map_err(problem)?;
+                let columns = made.file.columns();
+                if let Some((name, signs)) = own.signs.iter().find(|(name, _)| columns.contains(&name.as_str())) {
+                    let told = signs.told(name);
+                    let cure = "a front end reads counts with their sign; write them with convert --columns first";
+                    return Err(problem(format!("{told}; {cure}")));
+                }
+                Some(made)
             }
             _ => None,
         };
         let factor = front_end.as_ref().map_or(1, |front_end| front_end.file.factor);
         let (rows, rate_hz) = (rows / factor, rate_hz.map(|rate_hz| rate_hz / factor as f64));
         let recorded = first.filter(|_| front_end.is_none());
-        let axis = recorded.and_then(|one| axes::of_moving(&names, &one.columns));
-        let channels = match (&front_end, &axis) {
-            (Some(front_end), _) => channels_behind(front_end, &names),
-            (None, Some((kept, _))) => kept.clone(),
-            (None, None) => first.map_or_else(|| names.clone(), |one| signals(&names, &one.columns)),
+        let axes = recorded.and_then(|one| Axes::of(&names, &one.columns));
+        let of_axis = axes.as_ref().map_or(&names, |axes| &axes.kept);
+        let (channels, blank) = match (&front_end, first) {
+            (Some(front_end), _) => (channels_behind(front_end, &names), vec![]),
+            (None, Some(one)) => signals(names.iter().zip(&one.columns).filter(|(name, _)| of_axis.contains(name))),
+            (None, None) => (names.clone(), vec![]),
         };
         let mut proposal = Proposal::of(&channels);
         let turning = recorded.map(|one| proposal.turning(&names, &one.columns, rate_hz)).unwrap_or_default();
-        let mut doubts: Vec<String> = axis.into_iter().map(|(_, said)| said).collect();
+        let mut doubts: Vec<String> = axes.iter().map(|axes| axes.said.clone()).chain(blank).collect();
+        let is_used = |name: &&String| channels.contains(name);
+        doubts.extend(own.signs.iter().filter(|(name, _)| is_used(name)).map(|(name, signs)| signs.told(name)));
         doubts.extend(proposal.doubts(front_end.is_some()));
         doubts.extend(turning.told());
         if front_end.is_some() && proposal.by_reference && !proposal.alone {
@@ -130,6 +153,8 @@ impl Found {
         };
         let labels = read_labels(&file)?;
         let classes = labels.classes(&labels.select(&[])?, &[])?;
+        let motors = labels.distinct(names::AXIS);
+        let motors = if motors.len() > 1 { motors } else { vec![] };
         let labels = (file, labels, classes);
         let files = own.files.len();
         Ok(Self {
@@ -147,9 +172,19 @@ impl Found {
             made,
             proposal,
             turning,
+            signs: own.signs,
+            axes,
+            motors,
             doubts,
             front_end,
         })
+    }
+}
+
+impl Found {
+    /// Whether a channel is a column as it is.
+    pub(super) fn is_plain(&self, channel: &String) -> bool {
+        self.names.contains(channel) && !self.signs.contains_key(channel)
     }
 }
 
@@ -173,16 +208,34 @@ fn channels_behind(front_end: &RawFrontEnd, names: &[String]) -> Vec<String> {
     OWN.iter().map(ToString::to_string).chain(further).collect()
 }
 
-/// The columns that are signals: those that stand, or count, all the time are none. If none is left, all are.
-fn signals(names: &[String], columns: &[Vec<f64>]) -> Vec<String> {
+/// The columns that are signals, and what is said of others: those that stand, or count, all the time are none, nor are
+/// those that lack most rows. If none is left, all are.
+fn signals<'a>(columns: impl Iterator<Item = (&'a String, &'a Vec<f64>)>) -> (Vec<String>, Vec<String>) {
     let is_line = |column: &Vec<f64>| {
         let mut steps = column.windows(2).map(|pair| pair[1] - pair[0]);
         let Some(first) = steps.next() else { return true };
         (first == 0.0 || first == 1.0) && steps.all(|step| step == first)
     };
-    let own = names.iter().zip(columns).filter(|(_, column)| !is_line(column)).map(|(name, _)| name.clone());
-    let own: Vec<String> = own.collect();
-    if own.is_empty() { names.to_vec() } else { own }
+    let each = |(name, column): (&'a String, &'a Vec<f64>)| (name, is_line(column), blank(name, column));
+    let all: Vec<(&String, bool, Option<String>)> = columns.map(each).collect();
+    let some = |is_some: &dyn Fn(bool, bool) -> bool| {
+        let own = all.iter().filter(|(_, is_line, blank)| is_some(*is_line, blank.is_some()));
+        own.map(|(name, ..)| (*name).clone()).collect::<Vec<String>>()
+    };
+    let choices = [some(&|line, blank| !line && !blank), some(&|line, _| !line), some(&|_, _| true)];
+    let kept = choices.into_iter().find(|own| !own.is_empty()).unwrap_or_default();
+    let said = all.into_iter().filter(|(name, ..)| !kept.contains(name)).filter_map(|(.., blank)| blank);
+    (kept.clone(), said.collect())
+}
+
+/// What is said of a column that lacks most rows.
+pub(crate) fn blank(name: &str, column: &[f64]) -> Option<String> {
+    /// Part of the rows.
+    const MOST: f64 = 0.5;
+    let part = column.iter().filter(|x| !x.is_finite()).count() as f64 / column.len().max(1) as f64;
+    (part > MOST).then(|| {
+        format!("column {name} has no number in {:.0} % of the rows: it is not taken as a channel", 100.0 * part)
+    })
 }
 
 /// The files, and of a tidy table its traces in its place.
@@ -224,4 +277,30 @@ fn folders_of(given: &[PathBuf], files: &[PathBuf]) -> Vec<PathBuf> {
     }
     let folders: BTreeSet<PathBuf> = files.iter().filter_map(|file| file.parent().map(Path::to_path_buf)).collect();
     folders.into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_constants_and_columns_that_lack_most_rows_are_no_signals() {
+        type Of = fn(u32) -> f64;
+        let columns: [(&str, Of); 5] = [
+            ("X", |k| f64::from(k)),
+            ("gain", |_| 3.0),
+            ("iq", |k| (0.1 * f64::from(k)).sin()),
+            ("load", |k| if k % 5 < 2 { f64::from(k % 7) } else { f64::NAN }),
+            ("speed", |k| if k % 5 < 3 { f64::from(k % 7) } else { f64::NAN }),
+        ];
+        let all: Vec<(String, Vec<f64>)> =
+            columns.iter().map(|(name, of)| ((*name).to_string(), (0..500).map(of).collect())).collect();
+        let of = |own: &[(String, Vec<f64>)]| signals(own.iter().map(|(name, column)| (name, column)));
+        let (kept, said) = of(&all);
+        assert_eq!(kept, ["iq", "speed"]);
+        assert_eq!(said, ["column load has no number in 60 % of the rows: it is not taken as a channel"]);
+        // Where nothing else is left, they are.
+        assert_eq!(of(&all[3..4]), (vec!["load".into()], vec![]));
+        assert_eq!(of(&all[..2]).0, ["X", "gain"]);
+    }
 }

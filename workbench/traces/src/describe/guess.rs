@@ -37,8 +37,23 @@ const VELOCITY: [&str; 15] = [
     "rev",
     "w",
 ];
-const ANGLE: [&str; 11] =
-    ["angle", "winkel", "theta", "角度", "position", "位置", "pos", "resolver", "encoder", "電気角", "phi"];
+const ANGLE: [&str; 15] = [
+    "angle",
+    "winkel",
+    "theta",
+    "角度",
+    "position",
+    "位置",
+    "pos",
+    "resolver",
+    "encoder",
+    "電気角",
+    "phi",
+    "lage",
+    "rotorlage",
+    "ángulo",
+    "angolo",
+];
 const LOAD: [&str; 11] =
     ["load", "last", "lastmoment", "torque", "drehmoment", "couple", "トルク", "转矩", "moment", "force", "brake"];
 /// Parts of names of what is computed, of another machine, or of the supply.
@@ -50,6 +65,8 @@ const LABELS: [&str; 12] =
 
 /// Parts of names of a power, and of what the motor gives, which are no load of the shaft.
 const NO_LOAD: [&str; 2] = ["power", "motor"];
+/// Parts of names of the torque that a drive computes of its current: CiA 402 calls it the actual value.
+const OF_DRIVE: [&str; 4] = ["act", "actual", "ist", "istwert"];
 
 /// How well a name fits: the rank of its most telling part, worse if it is computed.
 fn rank(name: &str, parts: &[&str], reference: bool) -> Option<usize> {
@@ -62,6 +79,11 @@ fn rank(name: &str, parts: &[&str], reference: bool) -> Option<usize> {
         .iter()
         .position(|part| words.iter().any(|word| word == part || (part.len() > 3 && word.contains(part))))?;
     Some(best + if has(&SECONDARY) { 100 } else { 0 })
+}
+
+/// Whether a name has a word of a current that is measured.
+pub(super) fn is_current(name: &str) -> bool {
+    rank(name, &CURRENT, false).is_some()
 }
 
 /// Whether a column says what a row is of, and is no signal.
@@ -99,8 +121,19 @@ impl Guess {
                     || words(name).iter().any(|word| word == "d"))
         };
         let current = best(&CURRENT, false, &current_as).or_else(|| names.iter().find(in_amperes).cloned());
+        // The symbol of a speed is a letter, and its unit tells it: n [1/min]. Frequencies are of something else.
+        let turns = |name: &&String| {
+            let unit = Unit::of_column(name).filter(|unit| unit.quantity == AngularVelocity);
+            unit.is_some_and(|unit| Some(unit) != Unit::named("Hz")) && !is_label(name)
+        };
+        let velocity = best(&VELOCITY, false, &velocity_as)
+            .or_else(|| names.iter().filter(turns).find(|name| !is_reference(name)).cloned());
         let load = best(&LOAD, false, &[&moving[..], &[Current, Voltage, Other]].concat())
             .filter(|name| !words(name).iter().any(|word| NO_LOAD.contains(&word.as_str())));
+        let is_of_drive = |name: &String| words(name).iter().any(|word| OF_DRIVE.contains(&word.as_str()));
+        let (torque, load) = if load.as_ref().is_some_and(is_of_drive) { (load, None) } else { (None, load) };
+        // It stands for the current that it is computed of.
+        let current = current.or(torque);
         let different =
             |found: Option<String>, other: &Option<String>| found.filter(|name| Some(name) != other.as_ref());
         Self {
@@ -108,7 +141,7 @@ impl Guess {
             current_ref: different(best(&CURRENT, true, &current_as), &current),
             angle: best(&ANGLE, false, &angle_as),
             load: different(load, &current),
-            velocity: best(&VELOCITY, false, &velocity_as),
+            velocity,
             current,
             phases,
         }
@@ -179,6 +212,11 @@ mod tests {
         assert_eq!((log.current, log.velocity_ref), (some("(motorCurrent_mA)A"), some("SpeedSetpoint")));
         assert_eq!(of(&["motor_iq_1", "motor_torque_1", "power_load_mech_1"]).load, None);
         assert_eq!(of(&["X131_DE_time", "time2"]), Guess::default());
+        let log = of(&["Axis1.ActVelo [deg/s]", "Axis1.ActTorque"]);
+        assert_eq!((log.current, log.load), (some("Axis1.ActTorque"), None));
+        assert_eq!(of(&["S-0-0051 Lage-Istwert [Grad]"]).angle, some("(S-0-0051 Lage-Istwert [Grad])rad"));
+        assert_eq!(of(&["Iq_A", "n [1/min]", "M [Nm]"]).velocity, some("(n [1/min])rad/s"));
+        assert_eq!(of(&["iq_A", "fsw_Hz"]).velocity, None);
         assert_eq!(of(&["Input current [A]", "motor_current_A"]).current, some("motor_current_A"));
     }
 

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::guess::Guess;
 use super::proposal::Proposal;
 use crate::reader;
+use crate::signal::signs::{self, ByName};
 use crate::table::Table;
 use model::Error;
 use model::session::Log;
@@ -35,6 +36,8 @@ pub(super) struct Kind {
     pub(super) files: Vec<PathBuf>,
     /// Those whose rows are of several traces, by a column of their names.
     pub(super) tidy: BTreeSet<PathBuf>,
+    /// How columns are written whose numbers are signed ones without their sign.
+    pub(super) signs: ByName,
     /// Rows of the first one.
     rows: usize,
 }
@@ -49,6 +52,7 @@ struct Alike {
     rows: usize,
     /// Each with its columns of numbers, and the problems with others.
     files: Vec<(PathBuf, Vec<String>, Vec<Error>)>,
+    signs: ByName,
 }
 
 /// The kinds of files, with what was left out of each.
@@ -58,12 +62,16 @@ pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>
     let form = data.text_form();
     let read = |file: &PathBuf| {
         let looked = Table::open_as(file, &form).and_then(|table| {
-            let (numeric, problems) = reader::numeric(&table, data.time.as_deref())?;
+            let mut own = ByName::new();
+            let mut look = |name: &str, values: &[f64]| {
+                own.extend(signs::of_column(name, values).map(|own| (name.to_string(), own)));
+            };
+            let (numeric, problems) = reader::numeric_with(&table, data.time.as_deref(), &mut look)?;
             let (labels, signals): (Vec<String>, Vec<String>) = numeric.into_iter().partition(|name| is_label(name));
             let no_signal =
                 |name: &String| Error::content(file, format!("column {name}"), "the class of rows, no signal");
             let problems: Vec<Error> = problems.into_iter().chain(labels.iter().map(no_signal)).collect();
-            Ok((table.names().to_vec(), signals, problems))
+            Ok((table.names().to_vec(), signals, problems, own))
         });
         step(1);
         looked
@@ -71,11 +79,14 @@ pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>
     let looked: Vec<Result<_, Error>> = files.par_iter().map(read).collect();
     for (file, looked) in files.iter().zip(looked) {
         match looked {
-            Ok((names, signals, problems)) => match all.iter_mut().find(|alike| alike.names == names) {
-                Some(alike) => alike.files.push((file.clone(), signals, problems)),
+            Ok((names, signals, problems, own)) => match all.iter_mut().find(|alike| alike.names == names) {
+                Some(alike) => {
+                    alike.files.push((file.clone(), signals, problems));
+                    alike.signs.extend(own);
+                }
                 None => {
                     let rows = Table::open_as(file, &form).map_or(0, |table| rows_of(&table, &signals));
-                    all.push(Alike { names, rows, files: vec![(file.clone(), signals, problems)] });
+                    all.push(Alike { names, rows, files: vec![(file.clone(), signals, problems)], signs: own });
                 }
             },
             Err(error) => left.push(LeftOut { file: file.clone(), reason: reason(&error) }),
@@ -139,7 +150,7 @@ impl Alike {
         let columns_left = columns_left.filter(|problem| !is_kept(problem)).collect();
         let is_tidy = self.names.iter().any(|name| name == "trace");
         let tidy = if is_tidy { files.iter().cloned().collect() } else { BTreeSet::new() };
-        (!files.is_empty()).then_some(Kind { names, columns_left, files, tidy, rows: self.rows })
+        (!files.is_empty()).then_some(Kind { names, columns_left, files, tidy, signs: self.signs, rows: self.rows })
     }
 }
 
@@ -156,6 +167,7 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
             own.names = shared;
             own.files.extend(other.files);
             own.tidy.extend(other.tidy);
+            own.signs.extend(other.signs);
         } else {
             // Most of them may be unreadable.
             let first = other.columns_left.first().map_or_else(String::new, |problem| format!("; {problem}"));

@@ -5,8 +5,10 @@
 //! ```
 
 mod asked;
-mod axes;
-mod found;
+pub(crate) mod axes;
+#[cfg(test)]
+mod combinations;
+pub(crate) mod found;
 pub(crate) mod guess;
 mod kinds;
 mod names;
@@ -89,6 +91,7 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         Outcome::Refused(reason) => Some(format!("training refuses this: {reason}")),
         Outcome::Untried => Some("training was not tried, since the files are large".into()),
     };
+    values.asked(&found);
     outputs::write(&out, text(&found, &values, note.as_deref()))?;
     let left = found.left.iter().map(LeftOut::told).chain(found.columns_left.iter().cloned());
     log.warn(left.map(|left| format!("left out {left}")));
@@ -165,10 +168,9 @@ fn told(found: &Found, out: &Path) -> String {
     let rate = if found.rate_hz.is_none() { " The files have no time: set rate_hz." } else { "" };
     let open = match &open(found)[..] {
         [] => String::new(),
-        open => format!(
-            " Questions: {} Write a unit or a number in the place of each ?; training waits for them.",
-            open.join(" ")
-        ),
+        open => {
+            format!(" Questions: {} Write the answer in the place of each ?; training waits for them.", open.join(" "))
+        }
     };
     format!(
         "{}: {}; {}. Check the channels and their signs.{made}{rate}{open}",
@@ -178,10 +180,16 @@ fn told(found: &Found, out: &Path) -> String {
     )
 }
 
-/// The questions about units and numbers.
+/// The questions about motors, units and numbers.
 fn open(found: &Found) -> Vec<String> {
     let channels = [&found.turning.angle, &found.turning.velocity].into_iter().flatten();
-    channels.filter(|channel| channel.is_question()).filter_map(|channel| channel.said.clone()).collect()
+    let units = channels.filter(|channel| channel.is_question()).filter_map(|channel| channel.said.clone());
+    let axes = found.axes.iter().filter(|axes| axes.is_question()).map(|axes| axes.said.clone());
+    let motors = (!found.motors.is_empty()).then(|| {
+        let list = found.motors.join(", ");
+        format!("the files are of several motors: which one has the bearing, {list}? All if they are alike.")
+    });
+    axes.chain(motors).chain(units).collect()
 }
 
 /// What labels that were made say.

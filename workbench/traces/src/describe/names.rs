@@ -5,6 +5,7 @@
 //! gesund_Lauf01_1.csv                            class gesund, run Lauf01, n1 01, n2 1
 //! outer/rec1.csv, healthy/rec1.csv               classes outer, healthy; run rec1
 //! class=healthy/run=3/load=2/a.csv               class healthy, run 3, load 2
+//! axis1/ok_1.csv, J2_ok_1.csv                    classes ok, axis axis1 and J2, if there are several
 //! ```
 //!
 //! Folders `class=…` say the class, and other keys are columns. Otherwise files in several folders have the names of
@@ -18,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 pub(super) use super::words::is_healthy;
-use super::words::{is_clearly_healthy, is_damaged, is_run_key, plain, runs_of, tells_class};
+use super::words::{is_clearly_healthy, is_damaged, is_run_key, motor_of, plain, runs_of, tells_class};
 use crate::listing::naming::Naming;
 use crate::listing::walk::key_of;
 use model::Error;
@@ -35,7 +36,9 @@ pub(super) const HEALTHY: [&str; 8] = ["healthy", "normal", "good", "ok", "nomin
 const CLASS_KEYS: [&str; 10] =
     ["class_name", "class", "label", "fault", "condition", "state", "health", "defect", "klasse", "zustand"];
 /// Columns of labels whose names no key of a folder can have.
-const RESERVED: [&str; 4] = ["trace", "class_name", "run", "set"];
+const RESERVED: [&str; 5] = ["trace", "class_name", "run", "set", AXIS];
+/// The column of the motors of one machine.
+pub(super) const AXIS: &str = "axis";
 
 /// One file: its name, and the parts of the name.
 struct Name {
@@ -56,6 +59,17 @@ struct Name {
     codes: Vec<String>,
     numbers: Vec<String>,
     set: String,
+    /// The motor, where files are of several.
+    axis: Option<String>,
+}
+
+/// How the files of a folder are named.
+#[derive(Clone, Copy)]
+struct Style {
+    /// Whether a word of a test begins a run.
+    is_test_a_run: bool,
+    /// Whether files are of several motors.
+    has_axes: bool,
 }
 
 /// How classes were told.
@@ -69,11 +83,17 @@ pub(super) enum Told {
 }
 
 impl Name {
-    fn of(path: &Path, naming: &Naming, is_test_a_run: bool) -> Self {
+    fn of(path: &Path, naming: &Naming, Style { is_test_a_run, has_axes }: Style) -> Self {
         let name = file_name(path);
         let whole = stem(&composed(&name)).to_string();
         let (mut folders, mut keys, mut runs) = (Vec::new(), Vec::new(), Vec::new());
-        for folder in naming.folders(path) {
+        let axis = axis_of(path, naming).filter(|_| has_axes);
+        let without = |text: &str| match motor_of(text) {
+            Some((_, rest)) if has_axes => rest,
+            _ => text.to_string(),
+        };
+        let is_left = |folder: &String| !has_axes || folder.contains(char::is_alphanumeric);
+        for folder in naming.folders(path).iter().map(|folder| without(folder)).filter(is_left) {
             let (of_folder, rest) = runs_of(&folder, true);
             let is_run = !of_folder.is_empty() && !rest.contains(char::is_alphanumeric);
             match key_of(&folder) {
@@ -83,7 +103,7 @@ impl Name {
                 None => folders.push(folder),
             }
         }
-        let (own_runs, rest) = runs_of(&whole, is_test_a_run);
+        let (own_runs, rest) = runs_of(&without(&whole), is_test_a_run);
         let folder_runs = runs.len();
         runs.extend(own_runs);
         let (lower, rest) = (whole.to_lowercase(), plain(&rest));
@@ -104,6 +124,7 @@ impl Name {
             runs,
             folder_runs,
             rest,
+            axis,
         }
     }
 
@@ -132,14 +153,19 @@ pub(super) fn labels(files: &[PathBuf], naming: &Naming) -> Result<(String, Told
         let lower = file_name(file).to_lowercase();
         lower.split(|c: char| !c.is_alphabetic()).any(|word| word != "test" && SETS.contains(&word))
     };
-    let is_test_a_run = !files.iter().any(is_of_set);
-    let names: Vec<Name> = files.iter().map(|file| Name::of(file, naming, is_test_a_run)).collect();
+    let axes: BTreeSet<String> = files.iter().filter_map(|file| axis_of(file, naming)).collect();
+    let style = Style { is_test_a_run: !files.iter().any(is_of_set), has_axes: axes.len() > 1 };
+    let names: Vec<Name> = files.iter().map(|file| Name::of(file, naming, style)).collect();
     let (classes, told) = classes(&names);
     let mut columns = vec![("trace".to_string(), names.iter().map(|name| name.trace.clone()).collect())];
     let folders = further_folders(&names, &classes);
     let runs = runs(&names, &classes);
     columns.push(("class_name".into(), classes));
     columns.extend(runs.map(|runs| ("run".into(), runs)));
+    if style.has_axes {
+        let axis = |name: &Name| name.axis.clone().unwrap_or_else(|| "none".into());
+        columns.push((AXIS.into(), names.iter().map(axis).collect()));
+    }
     columns.extend(keyed(&names).into_iter().chain(folders));
     columns.extend(numbered("n", &names, |name| &name.numbers));
     columns.extend(numbered("code", &names, |name| &name.codes));
@@ -148,6 +174,13 @@ pub(super) fn labels(files: &[PathBuf], naming: &Naming) -> Result<(String, Told
         columns.push(("set".into(), names.iter().map(set).collect()));
     }
     Ok((csv_of(&columns)?, told))
+}
+
+/// The motor that a file is of: by its name, or by the innermost folder.
+fn axis_of(path: &Path, naming: &Naming) -> Option<String> {
+    let own = motor_of(stem(&composed(&file_name(path))));
+    let of_folder = || naming.folders(path).iter().rev().find_map(|folder| motor_of(folder));
+    own.or_else(of_folder).map(|(motor, _)| motor)
 }
 
 /// A column and its cells.
@@ -310,105 +343,4 @@ fn csv_of(columns: &[Column]) -> Result<String, Error> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn written(files: &[&str]) -> (String, Told) {
-        let files: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
-        labels(&files, &Naming::of(&files, &files)).expect("labels")
-    }
-
-    fn of(files: &[&str]) -> (Vec<String>, Told) {
-        let (text, told) = written(files);
-        let class = |line: &str| line.split(',').nth(1).unwrap_or_default().to_string();
-        (text.lines().skip(1).map(class).collect(), told)
-    }
-
-    #[test]
-    fn words_numbers_and_sets_are_told_apart() {
-        let files = [
-            "Normal_operation_1000.csv",
-            "normal_800_1.csv",
-            "normal_800_2_test.csv",
-            "bad-load_800_1.csv",
-            "bad-load_800_2.csv",
-        ];
-        let (text, told) = written(&files);
-        let rows: Vec<&str> = text.lines().collect();
-        assert_eq!(told, Told::Names);
-        assert_eq!(
-            rows[..3],
-            ["trace,class_name,n1,n2,set", "Normal_operation_1000,normal,1000,,none", "normal_800_1,normal,800,1,none"]
-        );
-        assert_eq!(rows[3..5], ["normal_800_2_test,normal,800,2,test", "bad-load_800_1,bad_load,800,1,none"]);
-    }
-
-    #[test]
-    fn nothing_is_called_healthy_that_no_name_calls_so() {
-        assert_eq!(of(&["park_50rpm.csv", "steps_1.csv"]), (vec![REFERENCE.into(); 2], Told::Nothing));
-        assert_eq!(of(&["1.csv", "2.csv", "3.csv"]), (vec![REFERENCE.into(); 3], Told::Nothing));
-        assert_eq!(of(&["a.csv"]).1, Told::Nothing);
-    }
-
-    #[test]
-    fn single_records_codes_and_folders_are_classes() {
-        let one = of(&["healthy_0_100watt_1.csv", "inner_1.7_100watt_1.csv", "outer_0.7_100watt_1.csv"]);
-        assert_eq!(one, (["healthy", "inner", "outer"].map(String::from).to_vec(), Told::Names));
-        let codes = of(&["run_A1_01.csv", "run_A1_02.csv", "run_B0_01.csv", "run_B0_02.csv"]);
-        assert_eq!(codes, (["a1", "a1", "b0", "b0"].map(String::from).to_vec(), Told::Names));
-        let (text, told) = written(&["d/healthy/rec1.csv", "d/outer race/rec1.csv"]);
-        assert_eq!(told, Told::Folders);
-        assert_eq!(text, "trace,class_name,run,n1\nhealthy/rec1,healthy,rec1,1\nouter race/rec1,outer race,rec1,1\n");
-    }
-
-    #[test]
-    fn runs_are_told_apart_from_classes() {
-        let (text, told) = written(&["gesund_Lauf01_1.csv", "gesund_Lauf01_2.csv", "gesund_Lauf02_1.csv"]);
-        assert_eq!(told, Told::Names);
-        assert_eq!(
-            text,
-            "trace,class_name,run,n1,n2\ngesund_Lauf01_1,gesund,Lauf01,01,1\ngesund_Lauf01_2,gesund,Lauf01,01,2\n\
-             gesund_Lauf02_1,gesund,Lauf02,02,1\n"
-        );
-        let (text, _) = written(&["Schaden-Messung 7-a1.csv", "i.O.-Messung 8-a1.csv", "i.O.-Messung 9-a1.csv"]);
-        let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-        assert_eq!((rows[0][2], rows[1][1], rows[1][2]), ("run", "schaden", "Messung 7"));
-        let signs = written(&["正常_測定1.csv", "正常_測定2.csv", "異常_測定1.csv"]).0;
-        assert!(signs.contains("正常_測定1,正常,測定1,") && signs.contains("異常_測定1,異常,測定1,"), "{signs}");
-        // Sets are no runs; and runs without words of classes say no class.
-        let sets = written(&["ok_train_1.csv", "ok_test_1.csv", "bad_train_1.csv", "bad_test_1.csv"]).0;
-        assert!(sets.starts_with("trace,class_name,n1,set\nok_train_1,ok,1,train\n"), "{sets}");
-        assert_eq!(of(&["run_1.csv", "run_2.csv", "run_3.csv"]), (vec![REFERENCE.into(); 3], Told::Nothing));
-    }
-
-    #[test]
-    fn folders_of_keys_runs_and_conditions_are_told_apart() {
-        let (text, told) = written(&[
-            "d/class=healthy/run=1/load=2/a.csv",
-            "d/class=healthy/run=1/load=3/a.csv",
-            "d/class=outer%20race/run=2/load=2/a.csv",
-        ]);
-        assert_eq!(told, Told::Folders);
-        let cells: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').skip(1).collect()).collect();
-        assert_eq!(
-            cells,
-            [["class_name", "run", "load"], ["healthy", "1", "2"], ["healthy", "1", "3"], ["outer race", "2", "2"]]
-        );
-        // The level with words of health is the class, whatever is around it.
-        let around = of(&["d/m1/healthy/800rpm/a.csv", "d/m1/worn/800rpm/a.csv", "d/m2/worn/900rpm/a.csv"]);
-        assert_eq!(around, (["healthy", "worn", "worn"].map(String::from).to_vec(), Told::Folders));
-        // Numbers of recordings start again in each folder, and the machines are a column.
-        let (text, _) = written(&["d/m1/ok/rec1.csv", "d/m1/worn/rec1.csv", "d/m2/ok/rec1.csv", "d/m2/worn/rec1.csv"]);
-        assert!(text.starts_with("trace,class_name,run,folder1,n1\nm1/ok/rec1,ok,m1/ok/rec1,m1,1\n"), "{text}");
-        // Runs are no classes: those are in the names.
-        let (text, told) = written(&["d/run_1/gut_a.csv", "d/run_2/gut_b.csv", "d/run_2/nio_a.csv"]);
-        assert_eq!(told, Told::Names);
-        assert!(text.contains("gut_a,gut,run_1") && text.contains("nio_a,nio,run_2"), "{text}");
-        let (_, told) = written(&["d/class_a/healthy_mix_1_000.csv", "d/class_a/run_1/healthy_mix_1_001.csv"]);
-        assert_eq!(told, Told::Names);
-        // Beside folders a file says its class itself, or has none.
-        let (all, _) = of(&["d/healthy_3.csv", "d/7.csv", "d/outer/1.csv", "d/outer/2.csv"]);
-        assert_eq!((all[1].as_str(), all[2].as_str()), (UNNAMED, "outer"));
-        assert_eq!(of(&["d/sound_3.csv", "d/Sound/1.csv", "d/outer/2.csv"]).0[0], "Sound");
-    }
-}
+mod tests;

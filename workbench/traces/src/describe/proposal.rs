@@ -87,12 +87,23 @@ impl Proposal {
                 "{list} are phase currents, of which none is the current: --front-end makes it of them and the angle"
             )
         });
-        let is_place = |name: &String| name.strip_prefix('c').is_some_and(|k| k.parse::<u32>().is_ok());
+        // The channels of an oscilloscope: c3, CH1 [V], Channel A, 2.
+        let is_place = |name: &String| {
+            let name = name.split(['[', '(']).next().unwrap_or_default().trim().to_lowercase();
+            let rest = ["channel", "kanal", "voie", "ch", "c"].iter().find_map(|start| name.strip_prefix(start));
+            let place = rest.unwrap_or(&name).trim_matches([' ', '_', '.']);
+            !place.is_empty() && (place.parse::<u32>().is_ok() || rest.is_some() && place.chars().count() == 1)
+        };
         let unnamed = self.y.as_ref().filter(|y| phases.is_none() && is_place(y));
         let unnamed = unnamed.map(|y| {
             format!("no name tells which column is which: {y} is described by itself; write y, u1, velocity or angle")
         });
-        phases.into_iter().chain(unnamed).chain(current.as_ref().and_then(of_current)).collect()
+        let of_load = |name: &String| {
+            let unit = stated(name).filter(|unit| Unit::named(unit).is_none())?;
+            Some(format!("the unit {unit} of {name} is not known: the load is taken as it is"))
+        };
+        let load = self.columns.load.as_ref().and_then(of_load);
+        phases.into_iter().chain(unnamed).chain(current.as_ref().and_then(of_current)).chain(load).collect()
     }
 
     /// Whether the velocity of a trace with these columns is constant.

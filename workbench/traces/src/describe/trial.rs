@@ -39,7 +39,7 @@ pub(super) fn tried(found: &Found, values: &mut Values, (out, text): (&Path, &dy
     }
     let kept = Kept::default();
     let train = |values: &Values, sample: Option<&Sample>| -> Result<(), String> {
-        let file = DriveFile::of(out, text(&values.answered())).map_err(|error| error.to_string())?;
+        let file = DriveFile::of(out, text(&values.answered(found))).map_err(|error| error.to_string())?;
         let mut settings = file.settings.completed();
         let memory = sample.map_or_else(Memory::default, |sample| {
             settings.data.traces.clone_from(&sample.files);
@@ -116,7 +116,7 @@ type Change = fn(&Found, &mut Values) -> bool;
 /// What becomes simpler, each in addition to those before; whether there is anything to change.
 const CHANGES: [(&str, Change); 10] = [
     ("mean and rms of the current, until a bearing is given", |found, own| {
-        let current = found.proposal.guess.current.as_ref().filter(|current| !current.contains('('));
+        let current = found.proposal.guess.current.as_ref().filter(|own| found.is_plain(own));
         let (Some(current), false) = (current, own.values.contains_key("features")) else { return false };
         own.values.insert("features", format!("{}  # {UNTIL_A_BEARING}", mean_and_rms(current)));
         true
@@ -144,12 +144,12 @@ const CHANGES: [(&str, Change); 10] = [
         true
     }),
     ("mean and rms of one channel", |found, own| {
-        let Some(y) = found.proposal.y.as_ref().filter(|y| found.names.contains(y)) else { return false };
+        let Some(y) = found.proposal.y.as_ref().filter(|y| found.is_plain(y)) else { return false };
         own.values.insert("features", mean_and_rms(y));
         true
     }),
     ("the mean of one channel", |found, own| {
-        let Some(y) = found.proposal.y.as_ref().filter(|y| found.names.contains(y)) else { return false };
+        let Some(y) = found.proposal.y.as_ref().filter(|y| found.is_plain(y)) else { return false };
         own.values.insert("features", format!("[{}]", literal(&format!("mean_{y}"))));
         true
     }),

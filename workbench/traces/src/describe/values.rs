@@ -5,10 +5,10 @@ use std::path::Path;
 
 use super::found::Found;
 use super::guess::Guess;
-use super::names::{HEALTHY, REFERENCE, is_healthy};
+use super::names::{AXIS, HEALTHY, REFERENCE, is_healthy};
 use super::proposal::Proposal;
 use crate::reader;
-use crate::turning::answered;
+use crate::signal::signs::{ByName, decoded};
 use crate::units::Unit;
 use model::settings::{Data, from_here, literal as text};
 use model::trace::TextForm;
@@ -52,17 +52,33 @@ impl Values {
 
     /// These values with an answer in the place of each question about a unit or a number, so that the others can be
     /// tried.
-    pub(super) fn answered(&self) -> Self {
+    pub(super) fn answered(&self, found: &Found) -> Self {
         let mut tried = self.clone();
-        for (key, value) in &mut tried.values {
-            *value = answered(value, *key == "angle" && !value.contains("integrate("));
+        for channel in [&found.turning.angle, &found.turning.velocity].into_iter().flatten() {
+            tried.values.values_mut().for_each(|value| *value = value.replace(&channel.text, &channel.answer));
         }
+        // A reference is in the unit of the velocity.
+        tried.values.values_mut().for_each(|value| *value = value.replace("[?]", "[rad/s]").replace("/?", "/1"));
         tried
     }
 
-    fn channel(&mut self, key: &'static str, found: &Option<String>) {
-        if let Some(found) = found {
-            self.values.insert(key, text(found));
+    /// With a question mark in the place of the axis, if several motors move.
+    pub(super) fn asked(&mut self, found: &Found) {
+        const KEYS: [&str; 9] = ["y", "u1", "u2", "current", "velocity", "velocity_ref", "angle", "load", "features"];
+        if let Some(condition) = self.values.get_mut("where").filter(|_| !found.motors.is_empty()) {
+            let why = "which one has the bearing? Leave this line out if they are alike";
+            *condition = format!("[{}]  # {}: {why}", text(&format!("{AXIS}=?")), found.motors.join(", "));
+        }
+        let Some(axes) = &found.axes else { return };
+        self.values
+            .iter_mut()
+            .filter(|(key, _)| KEYS.contains(key))
+            .for_each(|(_, value)| *value = axes.question(value));
+    }
+
+    fn channel(&mut self, key: &'static str, channel: &Option<String>, signs: &ByName) {
+        if let Some(channel) = channel {
+            self.values.insert(key, text(&decoded(channel, signs)));
         }
     }
 
@@ -71,6 +87,9 @@ impl Values {
         let paths: Vec<String> = found.traces.iter().map(|path| text(&from_here(path))).collect();
         self.values.insert("traces", format!("[{}]", paths.join(", ")));
         self.values.insert("labels", text(&from_here(&found.labels.0)));
+        if let Some(motor) = found.motors.first() {
+            self.values.insert("where", format!("[{}]", text(&format!("{AXIS}={motor}"))));
+        }
         let none = found.disorder.as_ref().map(|_| reader::NO_TIME.to_string());
         if let Some(time) = data.time.as_ref().or(none.as_ref()) {
             self.values.insert("time", text(time));
@@ -105,7 +124,7 @@ impl Values {
             velocity.as_ref().filter(|_| found.is_constant && found.rate_hz.is_some() && current.is_some());
         let integrated = integrated.map(|velocity| format!("integrate({velocity}) rad"));
         let angle = angle.or_else(|| integrated.clone());
-        self.channel("angle", &angle);
+        self.channel("angle", &angle, &found.signs);
         let turning = |name: &&String| name.ends_with(")rad/s") || name.to_lowercase().ends_with("rad_s");
         if let (None, Some(velocity), Some(current)) = (&angle, velocity.as_ref().filter(turning), current) {
             let integral = text(&format!("integrate({velocity}) rad"));
@@ -115,15 +134,15 @@ impl Values {
             self.refused.insert("angle", shaft);
         }
         if angle.is_some() {
-            self.channel("velocity", &velocity);
-            self.channel("load", load);
-            self.channel("velocity_ref", velocity_ref);
+            self.channel("velocity", &velocity, &found.signs);
+            self.channel("load", load, &found.signs);
+            self.channel("velocity_ref", velocity_ref, &found.signs);
         }
-        self.channel("y", y);
-        self.channel("u1", u1);
-        self.channel("u2", load);
+        self.channel("y", y, &found.signs);
+        self.channel("u1", u1, &found.signs);
+        self.channel("u2", load, &found.signs);
         if angle.is_some() && !by_reference {
-            self.channel("current", current);
+            self.channel("current", current, &found.signs);
         }
         let order = match (alone, load.is_some()) {
             (true, false) => "[4, 0, 0, 1, 1]",
@@ -139,7 +158,7 @@ impl Values {
             self.values.insert("features", "[\"orders\"]".into());
             return (1, None);
         }
-        (if load.is_some() { 7 } else { 5 }, current.clone().filter(|current| !current.contains('(')))
+        (if load.is_some() { 7 } else { 5 }, current.clone().filter(|current| found.is_plain(current)))
     }
 
     /// Writes the classes of several records, the healthy one, and a gate if the records support one.
@@ -171,7 +190,7 @@ impl Values {
             records *= found.rows / segment;
             self.values.insert("segment", format!("{segment}  # samples: {records} segments of a few records"));
         }
-        let (count, what) = group.map_or((records, "records"), |group| (labels.different(group), "runs"));
+        let (count, what) = group.map_or((records, "records"), |group| (labels.distinct(group).len(), "runs"));
         let fewest = |features: usize| match group {
             Some(_) => novelty::runs::fewest(features, RATE),
             None => novelty::fewest(features, RATE),

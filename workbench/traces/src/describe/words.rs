@@ -254,6 +254,32 @@ pub(super) fn runs_of(name: &str, is_test_a_run: bool) -> (Vec<String>, String) 
     (runs, rest)
 }
 
+/// Words of motors of one machine, which a number or a letter follows; of a joint the letter is enough.
+const MOTORS: [&str; 17] = [
+    "axis", "achse", "axe", "eje", "ax", "joint", "gelenk", "j", "servo", "actuator", "aktor", "motor", "drive",
+    "antrieb", "spindle", "spindel", "軸",
+];
+/// Letters of motors, beside those that also are parts of words.
+const MOTOR_LETTERS: &str = "abcdeflrxyz";
+
+/// The motor that a name tells, such as axis1, J2 and motor_b, and the name without it.
+pub(super) fn motor_of(name: &str) -> Option<(String, String)> {
+    let parts = parts_of(name);
+    let is_motor = |k: usize| parts[k].0 == Part::Letters && MOTORS.contains(&parts[k].1.to_lowercase().as_str());
+    (0..parts.len()).filter(|k| is_motor(*k)).find_map(|k| {
+        let between = parts.get(k + 1).filter(|(kind, text)| *kind == Part::Between && text.chars().count() == 1);
+        let last = k + 1 + usize::from(between.is_some());
+        let (kind, text) = *parts.get(last)?;
+        let ends = parts.get(last + 1).is_none_or(|(kind, _)| *kind == Part::Between);
+        let is_number = kind == Part::Digits && text.len() < 3;
+        let is_letter = text.chars().count() == 1 && MOTOR_LETTERS.contains(&text.to_lowercase());
+        (ends && (is_number || is_letter && kind == Part::Letters)).then(|| {
+            let join = |own: &[(Part, &str)]| own.iter().map(|(_, text)| *text).collect::<String>();
+            (join(&parts[k..=last]), join(&parts[..k]) + &join(&parts[last + 1..]))
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -275,6 +301,22 @@ mod tests {
             assert_eq!(runs_of(name, true), (runs.into_iter().map(String::from).collect(), rest.to_string()), "{name}");
         }
         assert_eq!(runs_of("test_3", false).0, Vec::<String>::new());
+    }
+
+    #[test]
+    fn motors_are_words_with_a_number_or_a_letter() {
+        for (name, motor, rest) in [
+            ("axis1_healthy_03", "axis1", "_healthy_03"),
+            ("rec_J2", "J2", "rec_"),
+            ("motor_b", "motor_b", ""),
+            ("ok-Achse-X-2", "Achse-X", "ok--2"),
+            ("軸3_正常", "軸3", "_正常"),
+        ] {
+            assert_eq!(motor_of(name), Some((motor.to_string(), rest.to_string())), "{name}");
+        }
+        for name in ["motor_ok_1", "drive_1000rpm", "motor-2024-05", "axis", "jam_1", "servo_test_2", "adjoint1"] {
+            assert_eq!(motor_of(name), None, "{name}");
+        }
     }
 
     #[test]

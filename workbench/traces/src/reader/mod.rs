@@ -13,7 +13,7 @@ pub use crate::reader::assemble::NO_TIME;
 use crate::reader::assemble::{INTEGRAL, Rows as Given, assemble, elapsed, rows_of};
 use crate::reader::header::{Header, header_of, is_wanted};
 use crate::reader::row_times::RowTimes;
-use crate::signal::{Signal, places_of, values_of};
+use crate::signal::{Signal, places_of, signs, values_of};
 use crate::table::{Columns, Omitted, Table, Wanted};
 use crate::time::names::usual;
 use long_form::problem as long_form;
@@ -64,6 +64,11 @@ fn read_rows(
 ) -> Result<Vec<Trace>, Error> {
     let times = (channels.time.as_deref(), channels.rate_hz);
     let (signals, parts) = parts(table, times, &|header| header.signals(channels), wanted)?;
+    let file = table.path().display();
+    for part in &parts {
+        let told = signs::told(&signals, table.names(), |place| part.columns.get(&place));
+        told.iter().for_each(|told| log::warn!("{file}: {told}"));
+    }
     let trace = |mut part: Part| assemble(std::mem::take(&mut part.id), channels, &signals, rows_of(part));
     parts.into_iter().map(trace).collect()
 }
@@ -121,6 +126,15 @@ pub fn has_channels(table: &Table, time: Option<&str>, channels: &[String]) -> b
 
 /// The names of the columns of a table that hold numbers, but for its time, and why others do not.
 pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Error>), Error> {
+    numeric_with(table, time, &mut |_, _| {})
+}
+
+/// The same, with a look at the values of each column.
+pub(crate) fn numeric_with(
+    table: &Table,
+    time: Option<&str>,
+    look: &mut dyn FnMut(&str, &[f64]),
+) -> Result<(Vec<String>, Vec<Error>), Error> {
     let header = header_of(table, time)?;
     if let Some(problem) = long_form(table) {
         return Err(Error::content(table.path(), "header", problem));
@@ -131,7 +145,10 @@ pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Er
     let (mut kept, mut problems) = (Vec::new(), Vec::new());
     for (place, column) in places.iter().zip(table.read_each(&places)?) {
         match column {
-            Ok(_) => kept.push(header.names()[*place].clone()),
+            Ok(values) => {
+                look(&header.names()[*place], &values);
+                kept.push(header.names()[*place].clone());
+            }
             Err(problem) => problems.push(problem),
         }
     }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use model::audit::signs::Signs;
+
 /// The time from one row to another, s.
 pub(crate) type Elapsed<'a> = &'a dyn Fn(usize, usize) -> f64;
 
@@ -16,6 +18,8 @@ pub(crate) enum Signal {
     Integral(Box<Self>),
     /// Without jumps by whole multiples of a period.
     Unwrapped(f64, Box<Self>),
+    /// Signed numbers that are written without their sign.
+    Signed(Signs, Box<Self>),
 }
 
 impl Signal {
@@ -23,7 +27,7 @@ impl Signal {
     fn parts(&self) -> Vec<&Self> {
         match self {
             Self::Column(_) | Self::Constant(_) => vec![],
-            Self::Scaled(_, _, own) | Self::Integral(own) | Self::Unwrapped(_, own) => vec![own],
+            Self::Scaled(_, _, own) | Self::Integral(own) | Self::Unwrapped(_, own) | Self::Signed(_, own) => vec![own],
             Self::Sum(one, other) => vec![one, other],
         }
     }
@@ -34,6 +38,15 @@ impl Signal {
             found.push(*place);
         }
         self.parts().into_iter().for_each(|part| part.columns(found));
+    }
+
+    /// The places of columns whose values are taken as they are written, signs and turns among them.
+    pub(crate) fn plain_columns(&self, found: &mut Vec<usize>) {
+        match self {
+            Self::Column(place) => found.push(*place),
+            Self::Signed(..) | Self::Unwrapped(..) => {}
+            other => other.parts().into_iter().for_each(|part| part.plain_columns(found)),
+        }
     }
 
     /// Whether it takes an integral over time.
@@ -49,6 +62,7 @@ impl Signal {
             Self::Scaled(factor, offset, own) => Self::Scaled(*factor, *offset, Box::new(own.at(place))),
             Self::Integral(own) => Self::Integral(Box::new(own.at(place))),
             Self::Unwrapped(period, own) => Self::Unwrapped(*period, Box::new(own.at(place))),
+            Self::Signed(signs, own) => Self::Signed(*signs, Box::new(own.at(place))),
             Self::Sum(one, other) => Self::Sum(Box::new(one.at(place)), Box::new(other.at(place))),
         }
     }
@@ -65,6 +79,9 @@ impl Signal {
             Self::Constant(value) => vec![*value; rows],
             Self::Scaled(factor, offset, own) => {
                 own.values(rows, column, elapsed_s).into_iter().map(|x| factor * x + offset).collect()
+            }
+            Self::Signed(signs, own) => {
+                own.values(rows, column, elapsed_s).into_iter().map(|x| signs.decoded(x)).collect()
             }
             Self::Sum(one, other) => {
                 let other = other.values(rows, column, elapsed_s);

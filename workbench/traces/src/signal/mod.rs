@@ -9,6 +9,8 @@
 //! position[turn]                the unit of a column whose name has none, or another one
 //! integrate(speed_rpm) rad      the integral over time, from 0 at the first sample on
 //! unwrap(theta_e[rad])/7        an angle without its jumps by whole turns: of an electrical one over the pole pairs
+//! signed16(speed_rpm)           numbers of 16 bits in two's complement that are written without their sign
+//! magnitude16(speed_rpm)        the same, whose highest bit is the sign
 //! ```
 //!
 //! A question mark in the place of a unit or a number, as `init` writes it, is an error that repeats the question. The
@@ -19,6 +21,7 @@
 
 mod formula;
 mod parser;
+pub(crate) mod signs;
 
 pub(crate) use formula::{Elapsed, Signal, places_of, values_of};
 pub(crate) use parser::missing;
@@ -123,6 +126,9 @@ mod tests {
             ("load[turn] deg", [1440.0, 14_400.0]),
             ("unwrap(load[deg])/2", [2.0, 20.0]),
             ("unwrap((load[turn]) deg)", [1440.0, 1440.0]),
+            ("signed8(50*load)", [-56.0, 1744.0]),
+            ("magnitude8(50*load)/2", [-36.0, -936.0]),
+            ("(signed8(speed_rpm)) rad/s", [0.209_439_510_239_319_53, 2.094_395_102_393_195_3]),
         ] {
             let found = value(text).expect(text);
             let near = found.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12);

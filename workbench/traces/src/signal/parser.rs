@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::formula::Signal;
 use crate::units::{Quantity, Unit, known};
-use model::near::among;
+use model::audit::signs::Signs;
+use model::near::{among, list};
 use model::trace::composed;
 
 /// The signal of a text with its unit, by the names of the columns.
@@ -21,6 +22,14 @@ pub(super) fn parsed(text: &str, names: &[String]) -> Result<Found, String> {
 
 /// Says that there is no such column.
 pub(crate) fn missing(name: &str, names: &[String]) -> String {
+    let asked = name.split_once('?').and_then(|(start, rest)| Some((start, rest.split('?').next()?)));
+    let fits = |(start, end): (&str, &str)| {
+        let behind = |own: &&String| own.strip_prefix(start).is_some_and(|rest| rest.contains(end));
+        names.iter().filter(behind).cloned().collect::<Vec<_>>()
+    };
+    if let Some(columns) = asked.map(fits).filter(|columns| !columns.is_empty()) {
+        return format!("{name} is a question: write a column of the motor with the bearing: {}", list(&columns));
+    }
     format!("no column (or difference of columns) {name}{}", among(name, names))
 }
 
@@ -150,17 +159,15 @@ impl Parser<'_> {
             return Ok((Signal::Column(place), unit));
         }
         for (start, of) in BRACKETS {
-            let Some(rest) = self.rest.strip_prefix(start) else { continue };
-            self.rest = rest;
-            let whole = self.whole(false)?;
-            if !self.take(')') {
-                return Err(self.wrong("a bracket is not closed"));
+            if let Some(rest) = self.rest.strip_prefix(start) {
+                self.rest = rest;
+                return self.bracket(&of);
             }
-            let found = of(self, whole)?;
-            let Some(length) = self.unit() else { return Ok(found) };
-            let (name, rest) = self.rest.split_at(length);
+        }
+        let signs = self.rest.split_once('(').and_then(|(word, rest)| Some((Signs::of_word(word)?, rest)));
+        if let Some((signs, rest)) = signs {
             self.rest = rest;
-            return self.convert(found, name.trim());
+            return self.bracket(&|_, (signal, unit)| Ok((Signal::Signed(signs, Box::new(signal)), unit)));
         }
         let ends = |at: &usize| self.rest.is_char_boundary(*at);
         let begins = (1..=self.rest.len()).filter(ends).take_while(|at| is_number(&self.rest[..*at]));
@@ -171,6 +178,19 @@ impl Parser<'_> {
         let end = self.rest.find([' ', '+', '*', ')', '(']).unwrap_or(self.rest.len());
         let word = &self.rest[..end];
         Err(missing(if word.is_empty() || self.text.contains('-') { self.text } else { word }, self.names))
+    }
+
+    /// What is made of the content of a bracket that is open, in the unit behind it.
+    fn bracket(&mut self, of: &dyn Fn(&Self, Found) -> Result<Found, String>) -> Result<Found, String> {
+        let whole = self.whole(false)?;
+        if !self.take(')') {
+            return Err(self.wrong("a bracket is not closed"));
+        }
+        let found = of(self, whole)?;
+        let Some(length) = self.unit() else { return Ok(found) };
+        let (name, rest) = self.rest.split_at(length);
+        self.rest = rest;
+        self.convert(found, name.trim())
     }
 
     /// The unit that is stated in brackets behind a column.

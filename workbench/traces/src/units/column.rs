@@ -10,7 +10,7 @@
 use model::trace::words;
 
 use super::grammar::parse;
-use super::unit::Unit;
+use super::unit::{Quantity, Unit};
 
 /// Units of one letter that stand behind an underscore.
 const LETTERS: [&str; 11] = ["A", "a", "V", "v", "N", "n", "m", "s", "K", "C", "c"];
@@ -20,24 +20,8 @@ const OTHER_WORDS: [&str; 8] = ["deg_c", "rot", "tour", "oz", "lb", "kp", "cycle
 const TIMES: [&str; 5] = ["t", "time", "zeit", "elapsed", "temps"];
 /// Words by which `_m` is of the mechanical side, and no length.
 const ROTARY: [&str; 6] = ["theta", "angle", "omega", "phi", "speed", "torque"];
-/// Quotients whose bar is written as an underscore.
-const QUOTIENTS: [(&str, &str); 15] = [
-    ("rad_s", "rad/s"),
-    ("rad_min", "rad/min"),
-    ("rad_sec", "rad/s"),
-    ("rads", "rad/s"),
-    ("mrad_s", "mrad/s"),
-    ("rad_per_s", "rad/s"),
-    ("deg_s", "deg/s"),
-    ("deg_per_s", "deg/s"),
-    ("turn_s", "turn/s"),
-    ("turns_s", "turn/s"),
-    ("rev_s", "rev/s"),
-    ("rev_min", "rpm"),
-    ("r_min", "rpm"),
-    ("m_s", "m/s"),
-    ("mm_s", "mm/s"),
-];
+/// Parts of a turn or a length that a speed is written of without a bar, by an `s` or `ps` behind them.
+const SPEEDS: [&str; 6] = ["rad", "mrad", "deg", "turn", "rev", "m"];
 
 /// The unit of a column.
 pub(super) fn of(name: &str) -> Option<Unit> {
@@ -70,8 +54,12 @@ pub(crate) fn stated(name: &str) -> Option<&str> {
     if alone(name).is_some() {
         return None;
     }
-    // A bar also divides two columns, or parts of a path.
+    // A bar also divides two columns, or parts of a path; behind a mark it is within the unit: speed_rad/s.
     let is_unit = |unit: &&str| parse(unit).is_some();
+    let behind_mark = name.match_indices(['_', ' ']).map(|(at, _)| name[at + 1..].trim());
+    if let Some(unit) = behind_mark.filter(|unit| unit.contains('/') && !unit.starts_with('/')).find(is_unit) {
+        return Some(unit);
+    }
     let behind_bar = || name.match_indices('/').map(|(at, _)| name[at + 1..].trim()).find(is_unit);
     behind_bar().or_else(|| name.rsplit_once(", ").map(|(_, unit)| unit.trim()).filter(is_unit))
 }
@@ -80,8 +68,8 @@ pub(crate) fn stated(name: &str) -> Option<&str> {
 fn of_end(name: &str, at: usize) -> Option<Unit> {
     let end = &name[at + 1..];
     let lower = end.to_lowercase();
-    if let Some((_, unit)) = QUOTIENTS.iter().find(|(name, _)| *name == lower) {
-        return parse(unit);
+    if let Some(unit) = joined(end, &lower) {
+        return Some(unit);
     }
     let is_letter = end.chars().count() == 1;
     let is_least = lower == "min" && !words(&name[..at]).iter().any(|word| TIMES.contains(&word.as_str()));
@@ -90,6 +78,28 @@ fn of_end(name: &str, at: usize) -> Option<Unit> {
         return None;
     }
     parse(end).or_else(|| parse(&lower).filter(|_| end.len() > 2))
+}
+
+/// A quotient or a product whose mark is an underscore, or that has none: `rad_s`, `rev_per_min`, `N_m`, `radps`.
+fn joined(end: &str, lower: &str) -> Option<Unit> {
+    let speeds = [Quantity::AngularVelocity, Quantity::Velocity];
+    let is_speed = |unit: &Unit| speeds.contains(&unit.quantity);
+    let quotient = lower.replace("_per_", "/");
+    if quotient.len() < lower.len() {
+        return parse(&quotient);
+    }
+    let short = || lower.strip_suffix("ps").or_else(|| lower.strip_suffix("rads").map(|_| "rad"));
+    let Some((one, other)) = end.split_once('_') else {
+        let short = short().filter(|own| SPEEDS.contains(own))?;
+        return parse(&format!("{short}/s")).filter(is_speed);
+    };
+    // Delay in seconds: delay_in_s.
+    if one.eq_ignore_ascii_case("in") {
+        return None;
+    }
+    let torque = || parse(&format!("{one}*{other}")).filter(|unit| unit.quantity == Quantity::Torque);
+    let of = |one: &str, other: &str| parse(&format!("{one}/{other}")).filter(is_speed);
+    of(one, other).or_else(|| of(&one.to_lowercase(), &other.to_lowercase())).or_else(torque)
 }
 
 /// A unit that the last word of a name is without an underscore: `SpeedRPM`, `speed rpm`, `motorCurrentMA` is none.
@@ -141,6 +151,23 @@ mod tests {
             ("speed_rad_min", "rad/min"),
             ("time_min", "min"),
             ("torque_NM", "Nm"),
+            ("torque_N_m", "Nm"),
+            ("torque_N.m", "Nm"),
+            ("torque [N-m]", "Nm"),
+            ("speed_rad.s-1", "rad/s"),
+            ("speed (rad.s⁻¹)", "rad/s"),
+            ("omega_radps", "rad/s"),
+            ("omega_rads", "rad/s"),
+            ("speed_mrad_s", "mrad/s"),
+            ("speed_deg_per_s", "deg/s"),
+            ("speed_rev_per_min", "rpm"),
+            ("speed_km_h", "km/h"),
+            ("speed_U/min", "rpm"),
+            ("speed_rad/s", "rad/s"),
+            ("motor speed rad/s", "rad/s"),
+            ("n_min-1", "rpm"),
+            ("delay_in_s", "s"),
+            ("speed_1/min", "rpm"),
             ("IQ_MA", "mA"),
             ("rad/s", "rad/s"),
         ] {
@@ -160,6 +187,9 @@ mod tests {
             "I [A rms]",
             "pos [inc]",
             "a/b",
+            "vel [rad.s]",
+            "I_A_rms",
+            "speed [1/s]",
         ] {
             assert_eq!(of(name), None, "{name}");
         }
@@ -167,7 +197,9 @@ mod tests {
 
     #[test]
     fn what_is_stated_but_no_unit_is_told() {
-        for (name, text) in [("I [A rms]", "A rms"), ("pos (inc)", "inc"), ("Strom in Digits", "Digits")] {
+        for (name, text) in
+            [("I [A rms]", "A rms"), ("vel (rad.s)", "rad.s"), ("pos (inc)", "inc"), ("Strom in Digits", "Digits")]
+        {
             assert_eq!(stated(name), Some(text), "{name}");
         }
         assert_eq!((stated("speed_rpm"), stated("/joint_states/j1/effort")), (None, None));

@@ -1,13 +1,15 @@
 //! Units as they are written: symbols, words of several languages, prefixes, factors, products and quotients.
 //!
 //! ```text
-//! unit   = part { ("/" | "per" | "pro" | "·" | "*" | "." | blank) part }
-//! part   = number | [prefix] symbol [exponent] | word [exponent]          0.1 A, krpm, rad/s, m/s^2, min⁻¹, turn/4096
+//! unit   = part { ("/" | "per" | "pro" | "·" | "*" | "." | "-" | blank) part }
+//! part   = number | [prefix] symbol [exponent] | word [exponent] | "(" unit ")"
+//!          0.1 A, krpm, rad/s, rad.s⁻¹, N-m, m/s^2, s^{-1}, 1/(min), turn/4096
 //! ```
 //!
 //! Each symbol has the exponents of angle, length, mass, time, current and temperature; these tell the quantity. A
 //! number by a time is a speed of rotation in `1/min`, as data sheets write it; `1/s` is none, since it stands for
-//! turns and for radians. Effective values (`A rms`) are no unit: what is meant by them depends on the drive.
+//! turns and for radians. Effective values (`A rms`) are no unit: what is meant by them depends on the drive. Nor is an
+//! angle times a time (`rad.s`): nobody measures it, and a quotient is meant, or not.
 
 use super::unit::{DEGREE, Quantity, TURN, Unit};
 
@@ -23,6 +25,7 @@ const CURRENT: Dimension = [0, 0, 0, 0, 1, 0];
 const TEMPERATURE: Dimension = [0, 0, 0, 0, 0, 1];
 const FREQUENCY: Dimension = [0, 0, 0, -1, 0, 0];
 const ROTATION: Dimension = [1, 0, 0, -1, 0, 0];
+const ANGLE_BY_TIME: Dimension = [1, 0, 0, 1, 0, 0];
 const SPEED: Dimension = [0, 1, 0, -1, 0, 0];
 const FORCE: Dimension = [0, 1, 1, -2, 0, 0];
 const TORQUE: Dimension = [0, 2, 1, -2, 0, 0];
@@ -169,32 +172,72 @@ pub(super) fn parse(text: &str) -> Option<Unit> {
         }
         _ => {}
     }
-    let mut whole: Option<Part> = None;
-    let (mut rest, mut divides) = (text.as_str(), false);
-    let mut is_number = true;
-    while !rest.is_empty() {
-        let (word, behind) = first(rest);
-        // In a product a small letter is an abbreviation rather than a unit: n.a.
-        if matches!(word, "a" | "v" | "n" | "k" | "c") && word.len() < text.len() {
-            return None;
-        }
-        let (part, number) = part(word)?;
-        is_number &= number;
-        whole = Some(joined(whole, part, divides));
-        (rest, divides) = operator(behind)?;
+    let Whole { part: Part { dimension, factor, is_minute }, is_number } = whole(&text, 0)?;
+    if is_number || dimension == ANGLE_BY_TIME {
+        return None;
     }
-    let Part { dimension, factor, is_minute } = whole.filter(|_| !is_number && !divides)?;
     let turns = if dimension == FREQUENCY && is_minute { TURN } else { 1.0 };
     let quantity = quantity(dimension).or((turns != 1.0).then_some(Quantity::AngularVelocity))?;
     let factor = factor * turns;
     (factor > 0.0 && factor.is_finite()).then_some(Unit::new(quantity, factor, 0.0))
 }
 
+/// Whether this is a product of known parts, of whatever quantity.
+pub(super) fn is_written(text: &str) -> bool {
+    parse(text).is_some() || whole(&normal(text), 0).is_some_and(|whole| !whole.is_number)
+}
+
+/// A product, and whether it is a number alone.
+struct Whole {
+    part: Part,
+    is_number: bool,
+}
+
+/// The product of the parts of a text within so many brackets.
+fn whole(text: &str, depth: u8) -> Option<Whole> {
+    /// Brackets in brackets.
+    const DEEPEST: u8 = 2;
+    let mut all: Option<Whole> = None;
+    let (mut rest, mut divides) = (text, false);
+    while !rest.is_empty() {
+        let (own, behind) = match rest.strip_prefix('(') {
+            Some(open) if depth < DEEPEST => {
+                let (inner, behind) = open.split_once(')')?;
+                (whole(inner.trim(), depth + 1)?, behind)
+            }
+            _ => {
+                let (word, behind) = first(rest);
+                // In a product a small letter is an abbreviation rather than a unit: n.a.
+                if matches!(word, "a" | "v" | "n" | "k" | "c") && word.len() < text.len() {
+                    return None;
+                }
+                let (part, is_number) = part(word)?;
+                (Whole { part, is_number }, behind)
+            }
+        };
+        let is_number = own.is_number && all.as_ref().is_none_or(|all| all.is_number);
+        all = Some(Whole { part: joined(all.map(|all| all.part), own.part, divides), is_number });
+        (rest, divides) = operator(behind)?;
+    }
+    all.filter(|_| !divides)
+}
+
 /// One spelling of signs that are written in several ways.
 fn normal(text: &str) -> String {
+    // An abbreviation ends with a point, or has one behind each letter: sec., r.p.m.
+    let text = text.trim();
+    let short = text.replace('.', "");
+    let is_abbreviated = text.ends_with('.') && symbol(&short).is_some();
+    let text = if is_abbreviated { short.as_str() } else { text.strip_suffix('.').unwrap_or(text) };
     let mut normal = String::new();
-    for c in text.trim().chars() {
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
         match c {
+            '{' | '}' => {}
+            '-' if normal.ends_with(char::is_alphabetic) && rest.peek().is_some_and(|c| c.is_alphabetic()) => {
+                normal.push('*');
+            }
+            '−' => normal.push('-'),
             'µ' | 'μ' => normal.push('u'),
             '⁻' => normal.push('-'),
             '¹' => normal.push('1'),
@@ -313,79 +356,4 @@ fn quantity(dimension: Dimension) -> Option<Quantity> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Quantity and factor.
-    fn of(text: &str) -> Option<(Quantity, f64)> {
-        parse(text).map(|unit| (unit.quantity, unit.to_base().0))
-    }
-
-    #[test]
-    fn spellings_of_many_drives_have_their_factor() {
-        use Quantity::{Angle, AngularVelocity, Current, Force, Length, Time, Torque, Velocity, Voltage};
-        for (spellings, quantity, factor) in [
-            (
-                &["rpm", "RPM", "1/min", "U/min", "r/min", "rev/min", "tr/min", "min-1", "min^-1", "min⁻¹"][..],
-                AngularVelocity,
-                TURN / 60.0,
-            ),
-            (
-                &["Umdr/min", "Umdrehungen pro Minute", "turns per minute", "回転/分", "min**-1"],
-                AngularVelocity,
-                TURN / 60.0,
-            ),
-            (&["0.1 rpm", "0,1 rpm", "0.1rpm", "1e-1 r/min", "0.1 1/min"], AngularVelocity, TURN / 600.0),
-            (&["krpm", "1000 rpm"], AngularVelocity, TURN * 1000.0 / 60.0),
-            (&["rps", "Hz", "turn/s", "U/s", "rev/sec"], AngularVelocity, TURN),
-            (&["rad/min"], AngularVelocity, 1.0 / 60.0),
-            (&["rad/s", "rad s-1", "rad·s⁻¹", "rad*s^-1", "radians per second"], AngularVelocity, 1.0),
-            (&["mrad/s", "rad/ks"], AngularVelocity, 1e-3),
-            (&["deg/s", "°/s", "dps", "Grad/s", "度/秒"], AngularVelocity, DEGREE),
-            (&["deg", "Grad", "°", "degrees", "度"], Angle, DEGREE),
-            (&["0.01 deg", "0,01°", "cdeg"], Angle, DEGREE / 100.0),
-            (&["turn/4096", "1/4096 turn", "rev/4096"], Angle, TURN / 4096.0),
-            (&["A", "a", "Ampere", "amps"], Current, 1.0),
-            (&["mA", "ma", "milliamps", "0.001 A"], Current, 1e-3),
-            (&["0.1A", "0.1 A", "0,1 A", "dA", "100 mA"], Current, 0.1),
-            (&["uA", "µA", "μA"], Current, 1e-6),
-            (&["kA"], Current, 1e3),
-            (&["mV", "mv"], Voltage, 1e-3),
-            (&["Nm", "nm", "N·m", "N*m", "N.m", "N m", "Newtonmeter"], Torque, 1.0),
-            (&["mNm", "mN·m", "Nmm"], Torque, 1e-3),
-            (&["cNm", "N·cm", "Ncm"], Torque, 1e-2),
-            // Pound 0.45359237 kg, standard gravity 9.80665 m/s², inch 0.0254 m, foot 12 inches.
-            (&["oz·in", "ozin"], Torque, 0.453_592_37 * 9.806_65 / 16.0 * 0.0254),
-            (&["lbf·ft", "ftlb"], Torque, 0.453_592_37 * 9.806_65 * 12.0 * 0.0254),
-            (&["lbf"], Force, 0.453_592_37 * 9.806_65),
-            (&["in", "25.4 mm"], Length, 0.0254),
-            (&["kN"], Force, 1e3),
-            (&["mm", "0.001 m"], Length, 1e-3),
-            (&["mm/s"], Velocity, 1e-3),
-            (&["m/min"], Velocity, 1.0 / 60.0),
-            (&["ms", "msec", "Millisekunden"], Time, 1e-3),
-            (&["us", "µs", "usec"], Time, 1e-6),
-            (&["100 ns"], Time, 1e-7),
-        ] {
-            for text in spellings {
-                let found = of(text);
-                let near = found.is_some_and(|(own, value)| own == quantity && (value / factor - 1.0).abs() < 1e-12);
-                assert!(near, "{text}: {found:?} for {quantity:?} {factor}"); // rounding of a few products
-            }
-        }
-    }
-
-    #[test]
-    fn what_is_no_unit_or_not_clear_is_none() {
-        for text in [
-            "", "1", "0.5", "1/s", "s-1", "A rms", "Arms", "foo", "counts", "inc", "%", "-", "A/", "rad/0", "erpm",
-            "4 5", "n.a.", "p.u.", "A*",
-        ] {
-            assert_eq!(of(text), None, "{text}");
-        }
-        for text in ["m/s^2", "rad/s2", "W", "kW", "Ohm", "mΩ", "V/krpm", "Nm/A", "bar·s"] {
-            let expected = (text != "bar·s").then_some(Quantity::Other);
-            assert_eq!(of(text).map(|(quantity, _)| quantity), expected, "{text}");
-        }
-    }
-}
+mod tests;

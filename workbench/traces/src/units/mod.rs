@@ -26,6 +26,11 @@ impl Unit {
         grammar::parse(name)
     }
 
+    /// Whether a text is written as a unit is, of whatever it is one: also `rad.s` and `1/s`.
+    pub(crate) fn is_written(text: &str) -> bool {
+        grammar::is_written(text)
+    }
+
     /// The unit that the name of a column has: `speed_rpm`, `speed [rpm]`, `speed in rpm`.
     #[must_use]
     pub fn of_column(name: &str) -> Option<Self> {

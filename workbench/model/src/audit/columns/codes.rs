@@ -1,9 +1,8 @@
-//! Values that are no measurements: codes in the place of a missing value, and signed numbers without their sign.
+//! Values that are no measurements: codes in the place of a missing value.
 //!
 //! ```text
 //! a code    the least or largest value, equal in several rows, 20 widths w of the others away from them; 1/2 of their
 //!           range for values that loggers write for missing ones (−9999, −32768, 65535, …)
-//! unsigned  whole numbers of [0, 2^b), none of them in the middle half
 //! ```
 
 /// Widths of all values but the outermost hundredth, and the largest part of rows that are rare.
@@ -41,8 +40,6 @@ const CODES: [f64; 22] = [
     -1e30,
     3.402_823_466_385_288_6e38,
 ];
-/// Bits of unsigned types.
-const BITS: [i32; 5] = [12, 16, 24, 32, 64];
 
 /// The first row far outside of all others, and how many are; the values are sorted beside them.
 pub(crate) fn outside(x: &[f64], sorted: &[f64]) -> Option<(usize, usize)> {
@@ -80,21 +77,6 @@ fn code(sorted: &[f64]) -> Option<f64> {
     is_code(largest, sorted.len() - above, &sorted[..above]).then_some(largest)
 }
 
-/// The number 2^b of values of the unsigned type in which signed numbers are written.
-pub(crate) fn unsigned(sorted: &[f64]) -> Option<f64> {
-    let (least, largest) = (*sorted.first()?, *sorted.last()?);
-    if sorted.len() < FEWEST || least < 0.0 || sorted.iter().any(|x| x.fract() != 0.0) {
-        return None;
-    }
-    let values = BITS.map(|bits| 2.0_f64.powi(bits)).into_iter().find(|values| largest < *values)?;
-    let below = sorted.partition_point(|x| *x < 0.25 * values);
-    let above = sorted.partition_point(|x| *x <= 0.75 * values);
-    // Both ends are used, down to 0 and up to the last value but for their noise.
-    let is_split = below == above && below > 0 && above < sorted.len();
-    let is_near = |x: f64| x < 0.25 * values && x >= 0.0;
-    (is_split && is_near(sorted[0]) && is_near(values - largest)).then_some(values)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,22 +109,6 @@ mod tests {
         }
         for x in [wave(5.0), wave(32_767.0), wave(5.0).iter().map(|x| x.min(4.0)).collect()] {
             assert_eq!(outside(&x, &sorted(&x)), None);
-        }
-    }
-
-    #[test]
-    fn signed_numbers_without_their_sign_are_found() {
-        for (bits, size) in [(16, 300.0), (12, 200.0), (32, 9000.0)] {
-            let values = 2.0_f64.powi(bits);
-            let x: Vec<f64> = wave(size).iter().map(|x| x.round().rem_euclid(values)).collect();
-            assert_eq!(unsigned(&sorted(&x)), Some(values), "{bits} bits");
-        }
-        // Counts that go round, counts around the middle, and what is no whole number.
-        let round: Vec<f64> = (0..2000).map(|k| f64::from(k * 37 % 65_536)).collect();
-        let middle: Vec<f64> = wave(300.0).iter().map(|x| x.round() + 2048.0).collect();
-        let positive: Vec<f64> = wave(300.0).iter().map(|x| x.round().abs()).collect();
-        for x in [round, middle, positive, wave(300.0)] {
-            assert_eq!(unsigned(&sorted(&x)), None);
         }
     }
 }

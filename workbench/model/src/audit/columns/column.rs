@@ -1,7 +1,8 @@
 //! A column by itself: its step, and whether it is held, saturated or constant.
 
-use super::codes::{outside, unsigned};
+use super::codes::outside;
 use super::held::{finite, held, least_difference, told};
+use super::signs::Signs;
 use crate::statistics::mean_sd;
 
 /// Rows of one value that count as held, if the step is fine.
@@ -36,8 +37,8 @@ pub struct Column {
     pub saturated: f64,
     /// Rows with values far outside of all others, as of an error code: the first one, and how many there are.
     pub outside: Option<(usize, usize)>,
-    /// The number of values of the type of which this column is a signed one without its sign.
-    pub unsigned: Option<f64>,
+    /// How its numbers are written, if they are signed ones without their sign; all else is of the decoded ones.
+    pub signs: Option<Signs>,
     /// Part of the rows without a number; the others are those that all else is about.
     pub missing: f64,
 }
@@ -46,12 +47,21 @@ impl Column {
     /// Of values of one trace; a missing one is NaN.
     #[must_use]
     pub fn of(x: &[f64]) -> Self {
+        match Signs::of(x) {
+            None => Self::of_signed(x),
+            Some(signs) => {
+                let decoded: Vec<f64> = x.iter().map(|x| signs.decoded(*x)).collect();
+                Self { signs: Some(signs), ..Self::of_signed(&decoded) }
+            }
+        }
+    }
+
+    fn of_signed(x: &[f64]) -> Self {
         let measured = finite(x);
         let missing = (x.len() - measured.len()) as f64 / x.len().max(1) as f64;
         let mut sorted = measured.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);
-        let (outside, unsigned) = (outside(x, &sorted), unsigned(&sorted));
-        Self { missing, outside, unsigned, ..Self::of_measured(&measured, &sorted) }
+        Self { missing, outside: outside(x, &sorted), ..Self::of_measured(&measured, &sorted) }
     }
 
     fn of_measured(x: &[f64], sorted: &[f64]) -> Self {
@@ -79,7 +89,7 @@ impl Column {
             held: if is_fine { part(held) } else { 0.0 },
             saturated: if is_fine { saturated } else { 0.0 },
             outside: None,
-            unsigned: None,
+            signs: None,
             missing: 0.0,
         }
     }
@@ -97,12 +107,6 @@ impl Column {
             let rows = if count == 1 { "row".to_string() } else { format!("{count} rows, the first") };
             let what = "far outside of all others: an error code? write nan there";
             found.push(format!("{value} in {rows} {}, {what}", first + 1));
-        }
-        if let Some(values) = self.unsigned {
-            let half = 0.5 * values;
-            found.push(format!(
-                "near 0 and near {values} only: signed numbers without their sign; take {values} from those above {half}"
-            ));
         }
         if self.deviation == 0.0 {
             found.push("constant".into());

@@ -169,8 +169,8 @@ fn of_name(name: &str) -> Result<Known, String> {
     let unknown = |near: Vec<&'static str>| {
         let near = if near.is_empty() { String::new() } else { format!(" (did you mean {}?)", near.join(", ")) };
         format!(
-            "{name} is not in the table of bearings{near}: {FORM}; makers' catalogues and their search by designation \
-             have them"
+            "{name} is not in the table of published bearings{near}: {FORM}; or the orders of its lines, which the maker's \
+             search by designation gives as BPFO and BPFI: --orders outer=…,inner=…"
         )
     };
     // A whole number of Python may come as one with a point.
@@ -255,8 +255,14 @@ mod tests {
             ("9,3,17", "four numbers"),
             ("9,3,17,10,2", "four numbers"),
             ("9,3,17,ten", "four numbers"),
-            ("6214", "did you mean"),
-            ("washer", "not in the table of bearings: give four numbers"),
+            ("6250", "(did you mean 625, 6200, 6205?)"),
+            ("7209", "(did you mean 7209AC, 7209C?)"),
+            // No similar bearing is offered in the place of one that exists.
+            ("6214", "6214 is not in the table of published bearings: give four numbers of its data sheet"),
+            ("6308-2Z/C3", "published bearings: give four numbers"),
+            ("NU 308 ECP", "published bearings: give four numbers"),
+            ("7312 BECBP", "or the orders of its lines, which the maker's search by designation gives"),
+            ("washer", "not in the table of published bearings: give four numbers"),
         ] {
             let problem = of(text).expect_err(text);
             assert!(problem.contains(part), "{text}: {problem}");

@@ -90,8 +90,7 @@ impl Head {
             let text = texts.get(texts.len().checked_sub(back)?)?;
             Some(split(text, rows.separator)).filter(|cells| cells.len() == used)
         };
-        let is_bracketed = |cell: &&str| cell.starts_with(['[', '(']) && cell.ends_with([']', ')']);
-        let units = cells(1).filter(|cells| cells.iter().all(is_bracketed) || is_units(cells, used));
+        let units = cells(1).filter(|cells| cells.iter().all(|cell| is_bracketed(cell)) || is_units(cells, used));
         let names = match &units {
             Some(units) => cells(2).map(|names| {
                 let named = |(name, unit): (&str, &&str)| with_unit(&clean(name), bare(unit));
@@ -171,16 +170,22 @@ fn long_unit(unit: &str) -> Option<&'static str> {
     }
 }
 
+fn is_bracketed(cell: &str) -> bool {
+    cell.starts_with(['[', '(']) && cell.ends_with([']', ')'])
+}
+
 /// Whether the first `used` cells of a line are units, or words that stand for none.
 fn is_units(cells: &[&str], used: usize) -> bool {
-    let is_unit = |cell: &str| Unit::named(cell).is_some();
+    let is_unit = |cell: &str| Unit::is_written(cell);
     let filler = [
         "", "-", "1", "%", "value", "values", "unit", "units", "einheit", "sequence", "none", "bool", "counts",
         "count", "w", "hz", "ohm", "date", "datetime",
     ];
     let own: Vec<&str> = cells.iter().take(used).map(|cell| bare(cell)).collect();
     let known = |cell: &&str| is_unit(cell) || filler.contains(&cell.to_lowercase().as_str());
-    own.len() == used && own.iter().all(known) && own.iter().any(|cell| is_unit(cell))
+    // What all cells have in brackets are units, whether each is known or not.
+    let bracketed = cells.iter().take(used).all(|cell| is_bracketed(cell) || cell.is_empty());
+    own.len() == used && (bracketed || own.iter().all(known)) && own.iter().any(|cell| is_unit(cell))
 }
 
 /// The step of the time, s, by the columns Start and Increment of a header and the numbers below them.

@@ -59,10 +59,10 @@ type Found = (Columns, BTreeMap<usize, (u64, String)>);
 
 impl Text {
     pub(super) fn open(path: &Path, form: &TextForm, about: &mut About) -> Result<Self, Error> {
-        let content = match large(path, form)? {
-            Some((head, bytes)) => Content::Large(head, bytes),
-            None => {
-                let (text, guessed) = whole(path)?;
+        let content = match start(path, form)? {
+            Start::Large(head, bytes) => Content::Large(head, bytes),
+            Start::Whole(bytes) => {
+                let (text, guessed) = decoded(path, bytes)?;
                 about.notes.extend(guessed.map(|name| format!("read as {name}, since it is not UTF-8")));
                 Content::Whole(text)
             }
@@ -119,7 +119,7 @@ impl Text {
         let (Some(lasts), Some(step_s)) = (self.layout.lasts, self.layout.about.step_s) else { return Ok(()) };
         let text = match &self.content {
             Content::Whole(text) => Cow::Borrowed(text),
-            Content::Large(..) => Cow::Owned(whole(path)?.0),
+            Content::Large(..) => Cow::Owned(decoded(path, limit::whole(path)?)?.0),
         };
         let is_row = |line: &&str| !line.trim().is_empty() && self.layout.comment != line.bytes().next();
         let rows = text.lines().skip(self.layout.first).filter(is_row).count();
@@ -200,7 +200,7 @@ impl Text {
         let text = match &self.content {
             Content::Whole(text) => Cow::Borrowed(text),
             Content::Large(_, end) => {
-                let mut text = whole(path)?.0;
+                let mut text = decoded(path, limit::whole(path)?)?.0;
                 text.truncate(usize::try_from(*end).unwrap_or(usize::MAX));
                 Cow::Owned(text)
             }
@@ -311,12 +311,20 @@ impl Content {
     }
 }
 
-/// The first lines of a file and its size, if it is large and not packed, and these lines have the layout.
-fn large(path: &Path, form: &TextForm) -> Result<Option<(String, u64)>, Error> {
-    let file = File::open(path).map_err(Error::io(path))?;
+/// What is read of a file before its rows.
+enum Start {
+    /// The first lines of a file that is large and not packed, if they have the layout, and its size.
+    Large(String, u64),
+    /// All bytes.
+    Whole(Vec<u8>),
+}
+
+/// The start of a file.
+fn start(path: &Path, form: &TextForm) -> Result<Start, Error> {
+    let mut file = File::open(path).map_err(Error::io(path))?;
     let about = file.metadata().map_err(Error::io(path))?;
     let mut head = Vec::new();
-    file.take(HEAD).read_to_end(&mut head).map_err(Error::io(path))?;
+    file.by_ref().take(HEAD).read_to_end(&mut head).map_err(Error::io(path))?;
     if head.starts_with(b"PK\x03\x04") {
         return Err(Error::content(path, "content", "a ZIP archive; unpack it, and save sheets as CSV"));
     }
@@ -327,13 +335,21 @@ fn large(path: &Path, form: &TextForm) -> Result<Option<(String, u64)>, Error> {
     if is_binary(&head) {
         return Err(Error::content(path, "content", "no text; save the recording as CSV, MATLAB or Parquet"));
     }
-    if !about.is_file() || about.len() < LARGE {
-        return Ok(None);
+    if !about.is_file() {
+        return Ok(Start::Whole(limit::whole(path)?));
+    }
+    if about.len() < LARGE {
+        // The bytes that are there are not read again.
+        file.read_to_end(&mut head).map_err(Error::io(path))?;
+        return Ok(Start::Whole(head));
     }
     let lines = head.iter().rposition(|byte| *byte == b'\n').map_or(0, |feed| feed + 1);
     head.truncate(lines);
     // Packed bytes are no UTF-8.
-    Ok(String::from_utf8(head).ok().filter(|head| Layout::is_settled_by(head, form)).map(|head| (head, about.len())))
+    match String::from_utf8(head).ok().filter(|head| Layout::is_settled_by(head, form)) {
+        Some(head) => Ok(Start::Large(head, about.len())),
+        None => Ok(Start::Whole(limit::whole(path)?)),
+    }
 }
 
 /// Whether bytes are neither text nor packed: one in thirty is a control character that no text has.
@@ -346,9 +362,8 @@ fn is_binary(head: &[u8]) -> bool {
     !packed && !marked && !is_wide && head.iter().filter(control).count() * 30 > head.len()
 }
 
-/// All of a file as text, unpacked, and the name of its encoding if that is guessed.
-fn whole(path: &Path) -> Result<(String, Option<&'static str>), Error> {
-    let packed = limit::whole(path)?;
+/// The bytes of a file as text, unpacked, and the name of its encoding if that is guessed.
+fn decoded(path: &Path, packed: Vec<u8>) -> Result<(String, Option<&'static str>), Error> {
     let compressed = |problem| Error::content(path, "content", format!("cannot be unpacked: {problem}"));
     let bytes = encoding::unpacked(&packed).map_err(compressed)?.unwrap_or(packed);
     Ok(encoding::text(bytes))
