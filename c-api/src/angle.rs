@@ -1,6 +1,6 @@
 //! Counts of position sensors → angles.
 
-use bearing_watch::{Angle, CountsPerTurn, TurnCounter};
+use bearing_watch::{Angle, EncoderCounts, TurnCounter};
 
 use crate::memory::check;
 
@@ -17,7 +17,7 @@ pub extern "C" fn bw_angle(counts: u32, resolution_bits: u32) -> u32 {
 /// 2^24 - 1.
 #[unsafe(no_mangle)]
 pub extern "C" fn bw_angle_from_cpr(counts: i32, counts_per_turn: u32) -> u32 {
-    CountsPerTurn::new(counts_per_turn).map_or(0, |turn| turn.angle(counts).bits())
+    EncoderCounts::new(counts_per_turn).map_or(0, |turn| turn.angle(counts).bits())
 }
 
 /// A counter of an encoder that counts on over turns without an end. Zero it, as a static is.
@@ -38,7 +38,7 @@ pub struct BwTurnCounter {
 /// `counter` is NULL or readable and writable. Only one context calls this function for it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_within_turn(counter: *mut BwTurnCounter, counts: i32, counts_per_turn: u32) -> i32 {
-    let (Ok(()), Some(turn)) = (check(counter), CountsPerTurn::new(counts_per_turn)) else { return 0 };
+    let (Ok(()), Some(turn)) = (check(counter), EncoderCounts::new(counts_per_turn)) else { return 0 };
     // SAFETY: aligned, and readable and writable by the contract.
     let counter = unsafe { &mut *counter };
     let mut own = TurnCounter::after(turn, counter.last, counter.within);
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn a_counter_that_wraps_is_that_of_the_core() {
-        let (mut own, mut core) = (BwTurnCounter::default(), TurnCounter::new(CountsPerTurn::new(8000).unwrap()));
+        let (mut own, mut core) = (BwTurnCounter::default(), TurnCounter::new(EncoderCounts::new(8000).unwrap()));
         let mut read = |counts, turn| {
             // SAFETY: the counter is there for the call.
             unsafe { bw_within_turn(&raw mut own, counts, turn) }

@@ -134,7 +134,9 @@ pub unsafe extern "C" fn bw_status(state: *mut BwState, status: *mut BwStatus) -
             samples: own.rows,
             lost_samples: own.lost_samples,
             lost_segments: own.lost_segments,
-            failed: own.failed.map_or(0, |kernel| u32::from(place_in(bearing_watch::Kernel::ALL, &kernel)) + 1),
+            failed: own
+                .failed
+                .map_or(0, |kernel| u32::from(place_in(bearing_watch::ArithmeticFault::ALL, &kernel)) + 1),
             alignment: own.alignment.into(),
         }
     });

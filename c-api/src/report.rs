@@ -2,7 +2,7 @@
 
 use bearing_watch::plan::MAX_CHANNELS;
 use bearing_watch::watch::Status;
-use bearing_watch::{Evidence, FrictionTerm, Implausible, Kernel, Obstacle, Part, Reason, Report, Verdict};
+use bearing_watch::{ArithmeticFault, Evidence, FrictionTerm, Implausible, Obstacle, Part, Reason, Report, Verdict};
 
 use crate::BwAlignment;
 use crate::code::{BwCode, code};
@@ -235,7 +235,9 @@ fn why(reason: Reason) -> Why {
         Reason::OutOfRange { covariate } => Why { place: covariate, ..plain(BwReason::OutOfRange) },
         Reason::NotFinite(own) => Why { part: part(own), ..plain(BwReason::NotFinite) },
         Reason::Implausible(error) => Why { place: place_in(Implausible::ALL, &error), ..plain(BwReason::Implausible) },
-        Reason::Arithmetic(kernel) => Why { place: place_in(Kernel::ALL, &kernel), ..plain(BwReason::Arithmetic) },
+        Reason::Arithmetic(kernel) => {
+            Why { place: place_in(ArithmeticFault::ALL, &kernel), ..plain(BwReason::Arithmetic) }
+        }
         Reason::OtherModel => plain(BwReason::OtherModel),
         Reason::FoundLate => plain(BwReason::FoundLate),
         Reason::Unseen(own) => Why { place: place_in(Obstacle::ALL, &own), ..plain(BwReason::Unseen) },

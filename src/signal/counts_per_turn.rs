@@ -12,23 +12,23 @@ use super::Angle;
 /// The number of counts of a turn.
 ///
 /// ```
-/// use bearing_watch::CountsPerTurn;
-/// const ENCODER: CountsPerTurn = CountsPerTurn::new(8000).unwrap(); // 2000 lines
+/// use bearing_watch::EncoderCounts;
+/// const ENCODER: EncoderCounts = EncoderCounts::new(8000).unwrap(); // 2000 lines
 /// assert_eq!(ENCODER.angle(-2000), ENCODER.angle(6000));
 /// assert!((ENCODER.angle(-2000).radians() + core::f32::consts::FRAC_PI_2).abs() < 1e-6);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CountsPerTurn {
+pub struct EncoderCounts {
     counts: u32,
     scale: u64,
 }
 
-impl CountsPerTurn {
+impl EncoderCounts {
     /// Largest number of counts a turn.
     pub const MOST: u32 = (1 << 24) - 1;
 
-    /// `None` for no counts and for more than [`CountsPerTurn::MOST`].
+    /// `None` for no counts and for more than [`EncoderCounts::MOST`].
     #[must_use]
     pub const fn new(counts: u32) -> Option<Self> {
         match (1_u64 << 48).checked_div(counts as u64) {
@@ -49,7 +49,7 @@ impl CountsPerTurn {
 }
 
 /// A counter of 32 bits that counts on over turns, without an end: it wraps at 2³² counts, which are no whole number of
-/// turns, and [`CountsPerTurn::angle`] of it would jump there. The counts within the turn are summed from differences,
+/// turns, and [`EncoderCounts::angle`] of it would jump there. The counts within the turn are summed from differences,
 /// and are those of a counter that is reset at each turn:
 ///
 /// ```text
@@ -57,8 +57,8 @@ impl CountsPerTurn {
 /// ```
 ///
 /// ```
-/// use bearing_watch::{CountsPerTurn, TurnCounter};
-/// const ENCODER: CountsPerTurn = CountsPerTurn::new(8000).unwrap();
+/// use bearing_watch::{EncoderCounts, TurnCounter};
+/// const ENCODER: EncoderCounts = EncoderCounts::new(8000).unwrap();
 /// let mut counter = TurnCounter::new(ENCODER);
 /// let last = counter.within(i32::MAX);
 /// assert_eq!(counter.within(i32::MIN), last + 1);
@@ -66,7 +66,7 @@ impl CountsPerTurn {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TurnCounter {
-    turn: CountsPerTurn,
+    turn: EncoderCounts,
     last: i32,
     within: i32,
 }
@@ -74,18 +74,18 @@ pub struct TurnCounter {
 impl TurnCounter {
     /// Not read yet.
     #[must_use]
-    pub const fn new(turn: CountsPerTurn) -> Self {
+    pub const fn new(turn: EncoderCounts) -> Self {
         Self { turn, last: 0, within: 0 }
     }
 
     /// Behind this reading, which had so many counts within the turn.
     #[must_use]
-    pub const fn after(turn: CountsPerTurn, last: i32, within: i32) -> Self {
+    pub const fn after(turn: EncoderCounts, last: i32, within: i32) -> Self {
         Self { turn, last, within }
     }
 
     /// Takes a reading of the counter; returns the counts within the turn, for the reading of a drive or for
-    /// [`CountsPerTurn::angle`]. Between two readings lie less than 2³¹ counts.
+    /// [`EncoderCounts::angle`]. Between two readings lie less than 2³¹ counts.
     pub const fn within(&mut self, counts: i32) -> i32 {
         // Both parts are below 2²⁴, so that their sum does not wrap, and (2) is exact.
         let step = within(counts.wrapping_sub(self.last), self.turn);
@@ -97,7 +97,7 @@ impl TurnCounter {
 
 /// Counts modulo those of a turn.
 #[inline]
-const fn within(counts: i32, turn: CountsPerTurn) -> i32 {
+const fn within(counts: i32, turn: EncoderCounts) -> i32 {
     match counts.checked_rem_euclid(turn.counts.cast_signed()) {
         Some(within) => within,
         None => 0,
@@ -110,8 +110,8 @@ mod tests {
 
     #[test]
     fn angles_are_those_of_a_division_for_any_number_of_counts() {
-        for turn in [1, 2, 3, 7, 1000, 4000, 4096, 8000, 16_384, 10_000_000, CountsPerTurn::MOST] {
-            let encoder = CountsPerTurn::new(turn).unwrap();
+        for turn in [1, 2, 3, 7, 1000, 4000, 4096, 8000, 16_384, 10_000_000, EncoderCounts::MOST] {
+            let encoder = EncoderCounts::new(turn).unwrap();
             let step = (turn / 997).max(1) as usize;
             for within in (0..turn).step_by(step).chain([turn - 1]) {
                 let exact = ((u64::from(within) << 32) / u64::from(turn)) as u32;
@@ -122,13 +122,13 @@ mod tests {
                 }
             }
         }
-        assert!(CountsPerTurn::new(0).is_none() && CountsPerTurn::new(CountsPerTurn::MOST + 1).is_none());
+        assert!(EncoderCounts::new(0).is_none() && EncoderCounts::new(EncoderCounts::MOST + 1).is_none());
     }
 
     #[test]
     fn powers_of_two_are_those_of_bits() {
         for bits in 1..24 {
-            let encoder = CountsPerTurn::new(1 << bits).unwrap();
+            let encoder = EncoderCounts::new(1 << bits).unwrap();
             for counts in [0, 1, 2, (1 << bits) - 1, 12_345 & ((1 << bits) - 1)] {
                 let off = encoder.angle(counts).bits() - Angle::from_counts(counts.cast_unsigned(), bits).bits();
                 assert!(off <= 256, "{counts} of 2^{bits}: {off}");
@@ -139,8 +139,8 @@ mod tests {
     /// Both ways over both ends of the counter, in small and in large steps.
     #[test]
     fn a_counter_has_no_end() {
-        for turn in [1, 3, 8000, CountsPerTurn::MOST] {
-            let mut counter = TurnCounter::new(CountsPerTurn::new(turn).unwrap());
+        for turn in [1, 3, 8000, EncoderCounts::MOST] {
+            let mut counter = TurnCounter::new(EncoderCounts::new(turn).unwrap());
             let mut exact = 0_i64;
             for step in [7, 2_000_000_000, 147_483_600, 100, -250, i32::MIN + 1, -77, i32::MAX, i32::MAX, 5] {
                 exact += i64::from(step);
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn the_ends_of_the_counter_are_angles_too() {
-        let encoder = CountsPerTurn::new(8000).unwrap();
+        let encoder = EncoderCounts::new(8000).unwrap();
         for counts in [i32::MIN, i32::MAX, -1, 0] {
             let exact = f64::from(counts).rem_euclid(8000.0) / 8000.0;
             let off = f64::from(encoder.angle(counts).bits()) / 4_294_967_296.0 - exact;
