@@ -393,9 +393,6 @@ typedef struct BwTurnCounter {
 extern "C" {
 #endif // __cplusplus
 
-// Returns a text for a code, ending in a zero byte; "unknown code" for other numbers. Never NULL.
-const char *bw_error_text(int32_t code);
-
 // Returns the number of bytes of memory that `bw_start` needs: with a plan of its own a library needs less.
 size_t bw_state_size(void);
 
@@ -688,6 +685,9 @@ const char *bw_reason_name(int32_t reason);
 // Returns the name of a code in this header, such as `BW_CODE_OK`; `bw_error_text` gives its text. "unknown" for other
 // numbers. Never NULL, ends in a zero byte.
 const char *bw_code_name(int32_t code);
+
+// Returns a text for a code, ending in a zero byte; "unknown code" for other numbers. Never NULL.
+const char *bw_error_text(int32_t code);
 
 #ifdef __cplusplus
 }  // extern "C"

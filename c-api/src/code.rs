@@ -1,6 +1,4 @@
-//! What every function returns, and the text of it.
-
-use core::ffi::{CStr, c_char};
+//! What every function returns.
 
 use bearing_watch::ModelError;
 use bearing_watch::drive::{CalibrationError, FrontEndError};
@@ -133,136 +131,6 @@ pub enum BwCode {
     CanFailed = -80,
 }
 
-impl BwCode {
-    const ALL: [Self; 60] = [
-        Self::Ok,
-        Self::Segment,
-        Self::Report,
-        Self::Withdrawn,
-        Self::Idle,
-        Self::Collect,
-        Self::EnoughSamples,
-        Self::Block,
-        Self::Null,
-        Self::Misaligned,
-        Self::MemoryTooSmall,
-        Self::NotInitialised,
-        Self::Busy,
-        Self::NoReport,
-        Self::WrongChannelCount,
-        Self::OutOfRange,
-        Self::BufferTooSmall,
-        Self::RecorderFull,
-        Self::Arithmetic,
-        Self::NoSample,
-        Self::NotCollected,
-        Self::NoSegment,
-        Self::NoVerdict,
-        Self::WrongRate,
-        Self::NotAModel,
-        Self::ModelVersion,
-        Self::ModelTruncated,
-        Self::ModelChecksum,
-        Self::ModelValue,
-        Self::ModelDoesNotFit,
-        Self::ModelChannel,
-        Self::ModelInterval,
-        Self::ModelPark,
-        Self::SavedState,
-        Self::OtherModel,
-        Self::FrontEndControlRate,
-        Self::FrontEndSensor,
-        Self::FrontEndBalance,
-        Self::FrontEndTracking,
-        Self::FrontEndResolver,
-        Self::FrontEndPolePairs,
-        Self::FrontEndFactor,
-        Self::FrontEndFurther,
-        Self::CalibrationTooFew,
-        Self::CalibrationNoisy,
-        Self::CalibrationStuck,
-        Self::CalibrationOutOfBand,
-        Self::SignatureMissing,
-        Self::SignatureVersion,
-        Self::SignatureFormat,
-        Self::SignatureTruncated,
-        Self::SignatureKey,
-        Self::SignatureMismatch,
-        Self::SignatureOlder,
-        Self::FlashFailed,
-        Self::FlashPlaces,
-        Self::FlashTooSmall,
-        Self::FlashNotWritten,
-        Self::FlashNoRecord,
-        Self::CanFailed,
-    ];
-
-    const fn text(self) -> &'static CStr {
-        match self {
-            Self::Ok => c"done",
-            Self::Segment => c"a segment is closed",
-            Self::Report => c"there is a new report",
-            Self::Withdrawn => c"the last report is withdrawn: a fault was found late",
-            Self::Idle => c"there is no closed segment to solve",
-            Self::Collect => c"samples wait to be collected",
-            Self::EnoughSamples => c"the calibration has enough samples",
-            Self::Block => c"a block of samples waits to be sent",
-            Self::Null => c"a pointer is NULL",
-            Self::Misaligned => c"a pointer is not aligned",
-            Self::MemoryTooSmall => c"the memory has fewer bytes than the state or object needs",
-            Self::NotInitialised => c"no state or object was initialised at this address",
-            Self::Busy => c"another function works on the same part of the state",
-            Self::NoReport => c"there is no report",
-            Self::WrongChannelCount => c"the number of values is not that of the channels",
-            Self::OutOfRange => c"an index or a choice is out of range",
-            Self::BufferTooSmall => c"the buffer is too small",
-            Self::RecorderFull => c"the blocks before were not sent: the sample is not recorded",
-            Self::Arithmetic => c"the chip computes otherwise than the host of the training",
-            Self::NoSample => c"no samples come from the current loop",
-            Self::NotCollected => c"samples wait, but are not collected",
-            Self::NoSegment => c"samples come, but no segment closes or is taken",
-            Self::NoVerdict => c"no segment has had a verdict for too long",
-            Self::WrongRate => c"the samples do not come at the rate of the model",
-            Self::NotAModel => c"these bytes are not a bearing-watch model",
-            Self::ModelVersion => c"the model has another format version: update the library, or train it again",
-            Self::ModelTruncated => c"the model is truncated",
-            Self::ModelChecksum => c"the checksum does not match: the model is corrupted",
-            Self::ModelValue => c"a value of the model is out of range",
-            Self::ModelDoesNotFit => c"the model does not fit the arrays or the plan of this library",
-            Self::ModelChannel => c"a channel of the model has another name or unit",
-            Self::ModelInterval => c"the sampling interval differs from that of the model",
-            Self::ModelPark => c"the model was trained with the other Park convention",
-            Self::SavedState => c"these bytes are not a saved state, or are corrupted",
-            Self::OtherModel => c"the saved state is that of another model",
-            Self::FrontEndControlRate => c"the control rate is not within 100 Hz and 1 MHz",
-            Self::FrontEndSensor => c"offset, gain or usable range of a current sensor is out of range",
-            Self::FrontEndBalance => c"noise, tolerance or window of the sum of the currents is out of range",
-            Self::FrontEndTracking => c"bandwidth, damping, limit or times of the tracking loop are out of range",
-            Self::FrontEndResolver => c"the amplitudes of the resolver are out of range",
-            Self::FrontEndPolePairs => c"a motor has at least one pole pair",
-            Self::FrontEndFactor => c"there are no filters for this factor of decimation in this library",
-            Self::FrontEndFurther => c"the library has no front end with this number of further channels",
-            Self::CalibrationTooFew => c"too few samples for offsets of the current sensors",
-            Self::CalibrationNoisy => c"a current sensor is too noisy for an offset",
-            Self::CalibrationStuck => c"the converter of a current sensor is stuck",
-            Self::CalibrationOutOfBand => c"the offset of a current sensor is out of its band",
-            Self::SignatureMissing => c"there is no signature",
-            Self::SignatureVersion => c"the signature has another format version or algorithm",
-            Self::SignatureFormat => c"a field of the signature does not fit the bytes before it",
-            Self::SignatureTruncated => c"the signature is cut short",
-            Self::SignatureKey => c"the key of the signature is not accepted",
-            Self::SignatureMismatch => c"the signature is not that of these bytes",
-            Self::SignatureOlder => c"older than accepted",
-            Self::FlashFailed => c"a function of the flash has failed",
-            Self::FlashPlaces => c"the places in flash have no room for a record, or other multiples",
-            Self::FlashTooSmall => c"the record is longer than its place in flash",
-            Self::FlashNotWritten => c"the flash did not take what was written",
-            Self::FlashNoRecord => c"there is no good record in flash",
-            Self::CanFailed => c"the function that sends over CAN has failed",
-        }
-    }
-}
-
 impl From<ModelError> for BwCode {
     fn from(error: ModelError) -> Self {
         match error {
@@ -317,11 +185,4 @@ pub(crate) fn code(outcome: Outcome) -> BwCode {
     match outcome {
         Ok(code) | Err(code) => code,
     }
-}
-
-/// Returns a text for a code, ending in a zero byte; "unknown code" for other numbers. Never NULL.
-#[unsafe(no_mangle)]
-pub extern "C" fn bw_error_text(code: i32) -> *const c_char {
-    let known = BwCode::ALL.into_iter().find(|known| *known as i32 == code);
-    known.map_or(c"unknown code", BwCode::text).as_ptr()
 }

@@ -83,7 +83,7 @@ pub use calibration::{
     bw_calibration_init, bw_calibration_push,
 };
 pub use can::{BW_CAN_FRAME_SIZE, BwCanSend, bw_can_frame, bw_can_stream};
-pub use code::{BwCode, bw_error_text};
+pub use code::BwCode;
 pub use flash::{
     BW_FLASH_UNIT, BwFlash, bw_flash_load_model, bw_flash_prepare, bw_flash_restore, bw_flash_save,
     bw_flash_store_model,
@@ -95,7 +95,7 @@ pub use front_end::{BW_FRONT_END_SIZE, BwFrontEnd, bw_front_end_init, bw_front_e
 pub use growth::{BwContribution, BwGrowth, BwInterval, bw_contribution, bw_growth, bw_growth_to};
 pub use main_loop::{BwStatus, bw_advance, bw_clear_faults, bw_clock, bw_faults, bw_limit_liveness, bw_status};
 pub use memory::BW_STATE_ALIGN;
-pub use names::{bw_code_name, bw_reason_name, bw_verdict_name};
+pub use names::{bw_code_name, bw_error_text, bw_reason_name, bw_verdict_name};
 pub use plan::{
     AnyModel, BW_MAX_AVERAGED, BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COLUMNS, BW_MAX_COORDINATES, BW_MAX_COVARIATES,
     BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_FURTHER, BW_MAX_ORDERS, BW_MAX_PARAMETERS,

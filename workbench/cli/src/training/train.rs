@@ -50,6 +50,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Error> {
     let session = Session::new(settings.clone(), given, args.taken.drive.clone())?;
     let files: Vec<&Path> = exports.files().chain(args.report.as_deref()).chain(args.save.as_deref()).collect();
     output::plan(&files, &session.inputs())?;
+    exports.check()?;
     output::logged(|log| {
         let mut training = session.train(log)?;
         let mut taken = args.taken.clone();

@@ -25,6 +25,9 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
 
     let train = format!("{TRAIN} {CHANNELS} --front-end t/front_end.toml");
     succeed(dir, &format!("{train} --model m.bwm --rust m.rs --c m.h"));
+    succeed(dir, &format!("{train} --model left.bwm --c left.h --c-name left"));
+    let named = text(&dir.join("left.h"));
+    assert!(named.contains("} BwLeftDrive;") && named.contains("#define BW_LEFT_FRONT_END_FACTOR 4u"), "{named}");
     let source = text(&dir.join("m.rs"));
     for words in [
         "pub type DriveFrontEnd = bearing_watch::drive::FrontEnd<FURTHER, 4>;",
@@ -85,6 +88,7 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
     refuse(dir, &format!("{difference} --model o.bwm --rust o.rs"), &["--rust", "a difference of columns"]);
     refuse(dir, &format!("{difference} --model o.bwm --c o.h"), &["--c", "a difference of columns"]);
     refuse(dir, &format!("{train} --front-end missing.toml --model o.bwm"), &["--front-end"]);
+    refuse(dir, &format!("{train} --model o.bwm --c o.h --c-name 2nd"), &["--c-name", "2nd", "a letter"]);
 }
 
 /// `init --front-end` needs no figure from the user, and what it writes trains and exports.

@@ -61,6 +61,7 @@ pub fn train_features(
 ) -> Result<TrainedOnParts, Error> {
     let start = Instant::now();
     outputs::plan(&exports.files().collect::<Vec<_>>(), &options.parts)?;
+    exports.check()?;
     let parts: Vec<Part> = files(&options.parts)?.iter().map(|path| Part::open(path)).collect::<Result<_, _>>()?;
     let plan = parts.first().ok_or_else(|| Error::Usage("no part is given".into()))?.plan.clone();
     let independent = independent(&settings.validation, &plan)?;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::Error;
+use crate::train::sources::c_name::CName;
 
 /// Where a model is written.
 #[derive(Clone, Debug, Deserialize)]
@@ -40,6 +41,14 @@ impl Exports {
     /// The files that are written.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         [Some(self.model.as_path()), self.rust.as_deref(), self.c.as_deref()].into_iter().flatten()
+    }
+
+    /// Checks what a long training is not to end with.
+    ///
+    /// # Errors
+    /// A name that is not one of C.
+    pub fn check(&self) -> Result<(), Error> {
+        CName::new(self.c_name.as_deref()).map(|_| ())
     }
 
     /// The contents of the files: the model, and the sources by these functions if they are wanted.
