@@ -1,6 +1,6 @@
 //! The kernels on numbers whose results are known, bit by bit: for the boot of a drive.
 //!
-//! Leaves: nothing, or the first [`Kernel`] whose results differ from those of the host that trained the model. The
+//! Leaves: nothing, or the first [`ArithmeticFault`] whose results differ from those of the host that trained the model. The
 //! causes are outside the core: another rounding mode, subnormal numbers flushed to zero, a compiler option that
 //! reorders or contracts operations, a `libm` replaced by the linker, flash or registers that changed.
 //!
@@ -12,11 +12,11 @@ use core::fmt;
 use core::hint::black_box;
 
 use crate::drive::{HalfBandDecimator, HalfBandTaps};
-use crate::reason::Kernel;
-use crate::regression::factor::{Mass, Problem, Solution, Solved, Triangle};
+use crate::reason::ArithmeticFault;
+use crate::regression::factor::{EffectiveRows, Problem, Solution, Solved, Triangle};
 use crate::signal::{AlphaBeta, Angle, Park};
 
-impl Kernel {
+impl ArithmeticFault {
     /// Hash of the results; the first two parts return 1 if all comparisons hold.
     const fn answer(self) -> u32 {
         match self {
@@ -43,13 +43,13 @@ impl Kernel {
     }
 }
 
-impl fmt::Display for Kernel {
+impl fmt::Display for ArithmeticFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.message())
     }
 }
 
-impl core::error::Error for Kernel {}
+impl core::error::Error for ArithmeticFault {}
 
 /// Runs every kernel on known numbers and compares each bit of the results. For the boot, before the first sample: with
 /// a difference, verdicts are not those that were validated. Call it at boot, and once from the interrupt in which the
@@ -57,13 +57,13 @@ impl core::error::Error for Kernel {}
 ///
 /// ```
 /// bearing_watch::known_answer_test()?;
-/// # Ok::<(), bearing_watch::Kernel>(())
+/// # Ok::<(), bearing_watch::ArithmeticFault>(())
 /// ```
 ///
 /// # Errors
 /// The first kernel whose results differ.
-pub fn known_answer_test() -> Result<(), Kernel> {
-    Kernel::ALL.into_iter().find(|kernel| kernel.result() != kernel.answer()).map_or(Ok(()), Err)
+pub fn known_answer_test() -> Result<(), ArithmeticFault> {
+    ArithmeticFault::ALL.into_iter().find(|kernel| kernel.result() != kernel.answer()).map_or(Ok(()), Err)
 }
 
 /// The part of [`known_answer_test`] that depends on the settings of the processor where it is called, rounding and
@@ -71,16 +71,16 @@ pub fn known_answer_test() -> Result<(), Kernel> {
 /// segment has no verdict: [`Reason::Arithmetic`](crate::Reason::Arithmetic).
 ///
 /// # Errors
-/// [`Kernel::Rounding`] or [`Kernel::Subnormals`].
-// Not by `Kernel::result`, which would bring the code of every kernel into each detector.
+/// [`ArithmeticFault::Rounding`] or [`ArithmeticFault::Subnormals`].
+// Not by `ArithmeticFault::result`, which would bring the code of every kernel into each detector.
 #[inline(never)]
-pub fn arithmetic_test() -> Result<(), Kernel> {
+pub fn arithmetic_test() -> Result<(), ArithmeticFault> {
     if !rounds_to_nearest() {
-        Err(Kernel::Rounding)
+        Err(ArithmeticFault::Rounding)
     } else if keeps_subnormals() {
         Ok(())
     } else {
-        Err(Kernel::Subnormals)
+        Err(ArithmeticFault::Subnormals)
     }
 }
 
@@ -191,7 +191,7 @@ impl LeastSquares {
         for (cell, part) in result.factor.iter_mut().zip(d.iter().chain(r.iter())) {
             *cell = *part;
         }
-        let mass = Mass { rows: 30.0, spread: 1.0 };
+        let mass = EffectiveRows { rows: 30.0, spread: 1.0 };
         let problem = &mut Problem { d, r, inputs: 3, outputs: 0, scale: &Self::SCALE, base: &[], mass, gain: 1.0 };
         let (delta, covariance, variance) = (&mut result.delta, &mut result.covariance, &mut result.variance);
         let solved = &mut Solved { delta, covariance, variance, work: &mut [0.0; 3] };
@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn the_answers_are_those_of_this_machine() {
-        let wrong = Kernel::ALL.into_iter().filter(|kernel| kernel.result() != kernel.answer());
+        let wrong = ArithmeticFault::ALL.into_iter().filter(|kernel| kernel.result() != kernel.answer());
         let wrong: std::vec::Vec<_> =
             wrong.map(|kernel| std::format!("{kernel:?} {:#010x}", kernel.result())).collect();
         assert_eq!(wrong, [""; 0]);

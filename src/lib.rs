@@ -111,10 +111,10 @@ pub use decide::Decision;
 pub use detector::{Conclusion, Detector, Exchange, Monitor, Segment};
 pub use known_answers::{arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
-pub use reason::{FrictionTerm, Implausible, Kernel, Obstacle, Part, Reason};
+pub use reason::{ArithmeticFault, FrictionTerm, Implausible, Obstacle, Part, Reason};
 pub use regression::estimate::Estimate;
 pub use report::{Report, Verdict};
-pub use signal::{Angle, Average, ChannelSet, Counts, CountsPerTurn, Liveness, LivenessLimits, Park, RateCheck, Stage};
+pub use signal::{Angle, Average, ChannelSet, Counts, EncoderCounts, Liveness, LivenessLimits, Park, RateCheck, Stage};
 
 #[cfg(feature = "defmt")]
 #[doc(hidden)]

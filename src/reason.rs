@@ -4,7 +4,7 @@ mod codes;
 mod kernel;
 
 pub use codes::ReasonCode;
-pub use kernel::Kernel;
+pub use kernel::ArithmeticFault;
 
 use core::fmt;
 
@@ -246,7 +246,7 @@ pub enum Reason {
     /// The shaft hardly moved, or the inputs of the regression hardly changed: see the threshold
     /// [`Regression::rest`](crate::model::Regression::rest).
     AtRest,
-    /// The data do not excite this parameter of the regression: place in the δ-parameters. A signal that is constant
+    /// The data do not excite this parameter of the regression: index among the δ-parameters. A signal that is constant
     /// over the whole segment ends here. A full fading memory keeps what it knows of a parameter that is excited no
     /// longer ([`Reason::AtRest`] then applies); one that was not excited while it filled ends here too.
     ParameterNotExcited(u8),
@@ -257,12 +257,12 @@ pub enum Reason {
     WeakInstruments(Part),
     /// The sensor of this channel repeated one value for too long.
     Stuck {
-        /// Place of the channel in the sample.
+        /// Index of the channel in the sample.
         channel: u8,
     },
     /// More samples of this channel were refused than used, so that it has no mean.
     LostSamples {
-        /// Place of the channel in the sample.
+        /// Index of the channel in the sample.
         channel: u8,
     },
     /// A covariate is outside the range of the training records, and nothing is left without it.
@@ -276,7 +276,7 @@ pub enum Reason {
     Implausible(Implausible),
     /// The processor does not compute as the host does where the detector runs
     /// ([`arithmetic_test`](crate::arithmetic_test)): an interrupt may have settings of its own.
-    Arithmetic(Kernel),
+    Arithmetic(ArithmeticFault),
     /// The segment or its decision is that of another model.
     OtherModel,
     /// A fault that shows only after a window of samples was found in the first half of the next segment, and may have
@@ -296,8 +296,8 @@ impl fmt::Display for Reason {
             Self::TooFewRows { part, rows } => write!(f, "{} has too few usable rows ({rows})", part.name()),
             Self::ShortSegment { rows } => write!(f, "less than half of the segment was usable ({rows} rows)"),
             Self::AtRest => f.write_str("the shaft or the inputs are at rest"),
-            Self::ParameterNotExcited(place) => {
-                write!(f, "the signals do not excite δ-parameter {} (t, β, γ, constant)", u16::from(*place) + 1)
+            Self::ParameterNotExcited(index) => {
+                write!(f, "the signals do not excite δ-parameter {} (t, β, γ, constant)", u16::from(*index) + 1)
             }
             Self::TermNotExcited(term) => {
                 write!(f, "the motion does not excite the {} in the torque balance", term.name())

@@ -51,7 +51,7 @@ impl<P: Plan> Report<P> {
 
     /// Withdraws the verdict: a fault was found late ([`Detector::discard`](crate::Detector::discard) returned `true`),
     /// and may have begun in this segment. Do so before the evidence takes it.
-    pub fn doubt(&mut self) {
+    pub fn withdraw(&mut self) {
         (self.verdict, self.decision) = (Verdict::Undetermined(Reason::FoundLate), None);
     }
 
@@ -98,7 +98,7 @@ impl<P: Plan> Report<P> {
     #[cfg(feature = "telemetry")]
     pub(crate) fn estimates<'a>(
         &'a self,
-        balance: Option<&'a crate::shaft::Balance>,
+        balance: Option<&'a crate::shaft::TorqueBalance>,
     ) -> crate::decide::Estimates<'a, P> {
         (self.estimate(), self.shaft().zip(balance), self.averages())
     }

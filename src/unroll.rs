@@ -28,6 +28,6 @@ pub(crate) use unrolled;
 /// Hides a value from the compiler, such as the slice or the length of a loop: a loop of known length becomes
 /// straight-line code, several times as large, where code runs once a segment.
 #[inline(always)]
-pub fn rolled<T>(value: T) -> T {
+pub fn no_unroll<T>(value: T) -> T {
     core::hint::black_box(value)
 }

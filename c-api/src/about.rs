@@ -4,7 +4,7 @@ use core::ffi::{CStr, c_char};
 
 use bearing_watch::drive::RotorFrame;
 use bearing_watch::plan::Plan as _;
-use bearing_watch::{Angle, Kernel, Park, known_answer_test};
+use bearing_watch::{Angle, ArithmeticFault, Park, known_answer_test};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};
@@ -69,7 +69,7 @@ pub extern "C" fn bw_version() -> *const c_char {
 #[must_use]
 #[unsafe(no_mangle)]
 pub extern "C" fn bw_known_answer_test() -> u32 {
-    let numbers = |wrong: Kernel| (1..).zip(Kernel::ALL).find(|(_, kernel)| *kernel == wrong);
+    let numbers = |wrong: ArithmeticFault| (1..).zip(ArithmeticFault::ALL).find(|(_, kernel)| *kernel == wrong);
     known_answer_test().err().and_then(numbers).map_or(0, |(number, _)| number)
 }
 

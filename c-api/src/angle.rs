@@ -1,6 +1,6 @@
 //! Counts of position sensors → angles.
 
-use bearing_watch::{Angle, CountsPerTurn};
+use bearing_watch::{Angle, EncoderCounts};
 
 /// Returns the angle of a converter with `resolution_bits` bits a turn as the fraction of a turn that `bw_collect`
 /// takes: 2^32 is one turn.
@@ -14,7 +14,7 @@ pub extern "C" fn bw_angle(counts: u32, resolution_bits: u32) -> u32 {
 /// 2^24 - 1.
 #[unsafe(no_mangle)]
 pub extern "C" fn bw_angle_from_cpr(counts: i32, counts_per_turn: u32) -> u32 {
-    CountsPerTurn::new(counts_per_turn).map_or(0, |turn| turn.angle(counts).bits())
+    EncoderCounts::new(counts_per_turn).map_or(0, |turn| turn.angle(counts).bits())
 }
 
 #[cfg(test)]

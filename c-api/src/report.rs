@@ -2,7 +2,7 @@
 
 use bearing_watch::plan::MAX_CHANNELS;
 use bearing_watch::shaft::{OrderStrength, Parameter};
-use bearing_watch::{FrictionTerm, Implausible, Kernel, Obstacle, Part, Reason, Report, Verdict};
+use bearing_watch::{ArithmeticFault, FrictionTerm, Implausible, Obstacle, Part, Reason, Report, Verdict};
 
 use crate::BwAlignment;
 use crate::code::{BwCode, Outcome, code};
@@ -294,7 +294,9 @@ fn why(reason: Reason) -> Why {
         Reason::OutOfRange { covariate } => Why { place: covariate, ..plain(BwReason::OutOfRange) },
         Reason::NotFinite(own) => Why { part: part(own), ..plain(BwReason::NotFinite) },
         Reason::Implausible(error) => Why { place: place_in(Implausible::ALL, &error), ..plain(BwReason::Implausible) },
-        Reason::Arithmetic(kernel) => Why { place: place_in(Kernel::ALL, &kernel), ..plain(BwReason::Arithmetic) },
+        Reason::Arithmetic(kernel) => {
+            Why { place: place_in(ArithmeticFault::ALL, &kernel), ..plain(BwReason::Arithmetic) }
+        }
         Reason::OtherModel => plain(BwReason::OtherModel),
         Reason::FoundLate => plain(BwReason::FoundLate),
         Reason::Unseen(own) => Why { place: place_in(Obstacle::ALL, &own), ..plain(BwReason::Unseen) },

@@ -98,10 +98,10 @@ pub enum Cause {
     Class(u8),
     /// Not healthy, and similar to no trained defect.
     Unknown,
-    /// The coordinate, by its place, whose runs have risen most above those of this drive. Coordinates are not in the
+    /// The coordinate, by its index, whose runs have risen most above those of this drive. Coordinates are not in the
     /// order of the features: the exported model and the hello of [`telemetry`](crate::telemetry) say what each is.
     Coordinate(u8),
-    /// The coordinate, by its place, that has been below its usual value over several runs: the load or a sensor, and
+    /// The coordinate, by its index, that has been below its usual value over several runs: the load or a sensor, and
     /// no bearing defect.
     Fallen(u8),
 }
@@ -288,8 +288,8 @@ impl<P: Plan> Evidence<P> {
             let quiet = most < 0.5 * limit && self.alarm.is_none();
             self.runs.end(self.run, cap, quiet, self.segments);
             self.run = 0;
-            if let (None, Some(place), true) = (self.alarm, self.fallen, self.novelty.sum >= limit) {
-                self.alarm = Some(Alarm { segment: self.segments, cause: Cause::Fallen(place) });
+            if let (None, Some(index), true) = (self.alarm, self.fallen, self.novelty.sum >= limit) {
+                self.alarm = Some(Alarm { segment: self.segments, cause: Cause::Fallen(index) });
             }
             return self.alarm;
         }

@@ -58,7 +58,7 @@ use crate::decide::{Direction, Directions, FeatureValue};
 use crate::logarithm::ln_of_level;
 use crate::plan::{Array, Cells, Plan};
 use crate::regression::factor::pairs;
-use crate::unroll::rolled;
+use crate::unroll::no_unroll;
 use scores::{Lesson, Scores, Terms};
 
 pub(in crate::alarm) use scores::WORDS;
@@ -81,7 +81,7 @@ impl<P: Plan> Runs<P> {
         let given = directions.list.cells();
         let at = |k: usize| Scores::new(given.get(k).unwrap_or(&Direction::UNIT), directions.usual_segments);
         Self {
-            list: Cells::from_fn(rolled(given.len()), at),
+            list: Cells::from_fn(no_unroll(given.len()), at),
             usual_segments: directions.usual_segments,
             margin: directions.margin,
             most_runs: directions.most_runs,
@@ -97,7 +97,7 @@ impl<P: Plan> Runs<P> {
 
     /// (1) of each direction.
     pub(super) fn add(&mut self, values: &[FeatureValue]) {
-        pairs(rolled(self.list.cells_mut()), rolled(values)).for_each(|(direction, y)| direction.add(y));
+        pairs(no_unroll(self.list.cells_mut()), no_unroll(values)).for_each(|(direction, y)| direction.add(y));
     }
 
     /// Whether a run of so many segments is longer than usual.
@@ -111,16 +111,16 @@ impl<P: Plan> Runs<P> {
     pub(super) fn largest(&self, segments: u32, cap: f32, limit: f32) -> (f32, (u8, f32)) {
         let terms = self.terms(segments, cap);
         let (mut largest, mut named) = (0.0_f32, (0, (false, 0.0, 0.0)));
-        for (place, direction) in pairs(0..u8::MAX, rolled(self.list.cells())) {
+        for (index, direction) in pairs(0..u8::MAX, no_unroll(self.list.cells())) {
             let (top, deviations) = direction.largest(terms);
             largest = largest.max(top);
             let rank = (direction.is_order() && top >= 0.5 * limit, top, deviations);
             if rank > named.1 {
-                named = (place, rank);
+                named = (index, rank);
             }
         }
-        let (place, (_, top, _)) = named;
-        (largest, (place, top))
+        let (index, (_, top, _)) = named;
+        (largest, (index, top))
     }
 
     fn terms(&self, segments: u32, cap: f32) -> Terms {
@@ -134,7 +134,7 @@ impl<P: Plan> Runs<P> {
         let terms = self.terms(segments, cap);
         let learns = self.learned < self.most_runs && quiet;
         let lesson = Lesson { learns, guarded: self.are_guarded() };
-        for direction in rolled(self.list.cells_mut()) {
+        for direction in no_unroll(self.list.cells_mut()) {
             direction.grow(segments as f32 / self.usual_segments, self.usual_segments);
             direction.end(terms, lesson, now);
         }
@@ -144,12 +144,12 @@ impl<P: Plan> Runs<P> {
     }
 
     /// The coordinate that a defect raises in a direction.
-    pub(super) fn coordinate(&self, place: u8) -> Option<u8> {
-        self.at(place).map(Scores::coordinate)
+    pub(super) fn coordinate(&self, index: u8) -> Option<u8> {
+        self.at(index).map(Scores::coordinate)
     }
 
-    fn at(&self, place: u8) -> Option<&Scores> {
-        self.list.cells().get(place as usize)
+    fn at(&self, index: u8) -> Option<&Scores> {
+        self.list.cells().get(index as usize)
     }
 
     /// Whether a direction watches this coordinate.
@@ -159,18 +159,18 @@ impl<P: Plan> Runs<P> {
 
     /// What a direction contributes.
     #[inline(never)]
-    pub(super) fn contribution(&self, place: u8) -> Option<Contribution> {
-        self.at(place).map(|direction| direction.contribution(place))
+    pub(super) fn contribution(&self, index: u8) -> Option<Contribution> {
+        self.at(index).map(|direction| direction.contribution(index))
     }
 
     /// The contribution of a direction in the run that is not ended, with its score.
-    pub(super) fn standing(&self, place: u8, score: f32) -> Option<Contribution> {
-        self.at(place).map(|direction| direction.standing(place, score))
+    pub(super) fn standing(&self, index: u8, score: f32) -> Option<Contribution> {
+        self.at(index).map(|direction| direction.standing(index, score))
     }
 
     /// The growth of a direction to a size in standard deviations of usual runs, or to one that a segment shows.
-    pub(super) fn growth(&self, place: u8, named: Option<f32>) -> Option<Growth> {
-        self.at(place).map(|direction| direction.growth(self.usual_segments, named))
+    pub(super) fn growth(&self, index: u8, named: Option<f32>) -> Option<Growth> {
+        self.at(index).map(|direction| direction.growth(self.usual_segments, named))
     }
 
     /// Segments of a usual run.
@@ -181,8 +181,8 @@ impl<P: Plan> Runs<P> {
     /// The first direction in which the drive's usual mean is more than three deviations of drives from that of the
     /// fleet, once three runs are learned.
     pub(super) fn unlike_the_fleet(&self) -> Option<u8> {
-        let place = if self.learned < 3 { None } else { self.list.cells().iter().position(Scores::is_far) };
-        place.and_then(|place| u8::try_from(place).ok())
+        let index = if self.learned < 3 { None } else { self.list.cells().iter().position(Scores::is_far) };
+        index.and_then(|index| u8::try_from(index).ok())
     }
 
     /// The largest S.
@@ -197,13 +197,13 @@ impl<P: Plan> Runs<P> {
 
     /// Widens the law of a direction, whose alarm was denied, and starts all scores afresh at this segment. The first
     /// time, all directions forget what the runs have taught that supported the alarm.
-    pub(super) fn deny(&mut self, place: Option<u8>, now: u32) {
+    pub(super) fn deny(&mut self, index: Option<u8>, now: u32) {
         let first = !self.are_guarded();
         for (direction, at) in pairs(self.list.cells_mut(), 0..u8::MAX) {
             if first {
                 direction.unlearn();
             }
-            if Some(at) == place {
+            if Some(at) == index {
                 direction.widen();
             }
             direction.start(now);

@@ -113,20 +113,20 @@ impl Silent {
     pub(super) fn words(&self) -> [u32; 3] {
         let (reason, count) = self.most().unzip();
         let code = reason.map(Reason::code);
-        let word = code.map_or(0, |code| u32::from(code.kind) | u32::from(code.place) << 8);
+        let word = code.map_or(0, |code| u32::from(code.kind) | u32::from(code.index) << 8);
         [self.segments, word, count.unwrap_or(0)]
     }
 
     /// Takes the words; `None` if they are none that so many undetermined segments can leave.
     pub(super) fn restore(&mut self, [segments, word, count]: [u32; 3], undetermined: u32) -> Option<()> {
-        let [kind, place, 0, 0] = word.to_le_bytes() else { return None };
+        let [kind, index, 0, 0] = word.to_le_bytes() else { return None };
         let counted = segments <= undetermined && count <= segments && (kind == 0) == (count == 0);
-        if !counted || (kind == 0 && place != 0) {
+        if !counted || (kind == 0 && index != 0) {
             return None;
         }
         (self.segments, self.reasons) = (segments, [None; Reason::KINDS]);
         if kind > 0 {
-            let reason = ReasonCode { kind, place, rows: 0 }.reason()?;
+            let reason = ReasonCode { kind, index, rows: 0 }.reason()?;
             *self.reasons.get_mut(usize::from(kind))? = Some((reason, count));
         }
         Some(())

@@ -162,12 +162,12 @@ fn covariates<P: Plan>(
 ) -> Option<Reason> {
     let mut reason = None;
     let cells = pairs(departures, decision.outside.cells_mut());
-    for (place, ((cell, outside), covariate)) in pairs(0..u8::MAX, pairs(cells, classifier.covariates.list.cells())) {
+    for (index, ((cell, outside), covariate)) in pairs(0..u8::MAX, pairs(cells, classifier.covariates.list.cells())) {
         let departure = covariate.feature.value(plan, estimates).map(|value| covariate.departure(value));
         *cell = departure.unwrap_or(FeatureValue::MISSING);
         *outside = cell.is_missing();
         if *outside {
-            reason = reason.or(departure.err()).or(Some(Reason::OutOfRange { covariate: place }));
+            reason = reason.or(departure.err()).or(Some(Reason::OutOfRange { covariate: index }));
         }
     }
     reason

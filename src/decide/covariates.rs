@@ -63,7 +63,7 @@ pub struct Covariates<P: Plan> {
     /// The covariates.
     pub list: Array<P::Covariates, Covariate>,
     /// [a, b] of (3), one row of V a feature; zeros if the covariate explains nothing of it.
-    pub map: Array<P::Explained, [f32; 2]>,
+    pub map: Array<P::CovariateMap, [f32; 2]>,
 }
 
 impl<P: Plan> Covariates<P> {

@@ -186,11 +186,11 @@ impl<P: Plan> Discriminant<P> {
 
     /// The factor of a class.
     pub(crate) fn factor(&self, kind: Kind, coordinates: usize, class: usize) -> &[f32] {
-        let place = match kind {
+        let index = match kind {
             Kind::Linear => 0,
             Kind::Quadratic => class.wrapping_mul(crate::regression::factor::lower(coordinates, 0)),
         };
-        self.factors.cells().get(place..).unwrap_or(&[])
+        self.factors.cells().get(index..).unwrap_or(&[])
     }
 
     /// (z − μ)ᵀ S⁻¹ (z − μ) by the factor of the class.

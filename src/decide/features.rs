@@ -9,7 +9,7 @@
 //! ```
 //!
 //! p and σ are those of the rows alone, without the prior of p, which would draw the friction of a defect towards that
-//! of healthy drives ([`Balance::without_prior`]). Where the rows say nothing of it beside its prior, the feature is
+//! of healthy drives ([`TorqueBalance::without_prior`]). Where the rows say nothing of it beside its prior, the feature is
 //! missing, and so is an order that the shaft has turned too little for. No deviation is known of the other features,
 //! and a score is already relative to its deviation: v = 0. The logarithm (1) suits a friction that varies by a factor
 //! between drives. Below its standard deviation a value does not differ from zero; it counts as σ, with v = 1. A
@@ -22,7 +22,7 @@ use crate::logarithm::ln_of_level;
 use crate::plan::{Layout, Plan};
 use crate::reason::{FrictionTerm, Obstacle, Reason};
 use crate::regression::estimate::Estimate;
-use crate::shaft::{Balance, LEAST_FROM_ROWS, ShaftEstimate};
+use crate::shaft::{LEAST_FROM_ROWS, ShaftEstimate, TorqueBalance};
 use crate::signal::average::Average;
 
 /// Smaller amplitudes count as this value, A.
@@ -30,13 +30,13 @@ const LEAST_AMPLITUDE: f32 = 1e-6;
 
 /// The results of a segment that features come from: regression, shaft with the constants of its balance, averages of
 /// channels.
-pub type Estimates<'a, P> = (Option<&'a Estimate<P>>, Option<(&'a ShaftEstimate<P>, &'a Balance)>, &'a [Average]);
+pub type Estimates<'a, P> = (Option<&'a Estimate<P>>, Option<(&'a ShaftEstimate<P>, &'a TorqueBalance)>, &'a [Average]);
 
 /// A number of the estimates that a classifier uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Feature {
-    /// A δ-parameter of the regression, by its place.
+    /// A δ-parameter of the regression, by its index.
     Parameter(u8),
     /// ln σ² of the regression's residual.
     LogVariance,
@@ -48,11 +48,11 @@ pub enum Feature {
     LogFriction(FrictionTerm),
     /// ln of the residual variance of the torque balance.
     LogFrictionVariance,
-    /// Score of a bearing order, by its place.
+    /// Score of a bearing order, by its index.
     OrderScore(u8),
     /// ln of the amplitude of a bearing order, of at least 1e-6.
     LogOrderAmplitude(u8),
-    /// Mean of a channel over the segment, by its place in the sample.
+    /// Mean of a channel over the segment, by its index in the sample.
     ChannelMean(u8),
     /// Root mean square of a channel over the segment.
     ChannelRms(u8),
@@ -99,36 +99,36 @@ impl FeatureValue {
 }
 
 impl Feature {
-    /// Kind and place, as models and identities have them.
+    /// Kind and index, as models and identities have them.
     pub(crate) const fn code(self) -> [u8; 2] {
         match self {
-            Self::Parameter(place) => [0, place],
+            Self::Parameter(index) => [0, index],
             Self::LogVariance => [1, 0],
             Self::Friction(term) => [2, term as u8],
             Self::FrictionScore(term) => [3, term as u8],
             Self::LogFrictionVariance => [4, 0],
-            Self::OrderScore(place) => [5, place],
-            Self::LogOrderAmplitude(place) => [6, place],
+            Self::OrderScore(index) => [5, index],
+            Self::LogOrderAmplitude(index) => [6, index],
             Self::LogFriction(term) => [7, term as u8],
             Self::ChannelMean(channel) => [8, channel],
             Self::ChannelRms(channel) => [9, channel],
         }
     }
 
-    /// The feature of a code; `None` if this build does not know its kind, or the kind has no such place.
-    pub(crate) fn of_code([kind, place]: [u8; 2]) -> Option<Self> {
-        let term = FrictionTerm::ALL.get(place as usize).copied();
+    /// The feature of a code; `None` if this build does not know its kind, or the kind has no such index.
+    pub(crate) fn of_code([kind, index]: [u8; 2]) -> Option<Self> {
+        let term = FrictionTerm::ALL.get(index as usize).copied();
         Some(match kind {
-            0 => Self::Parameter(place),
+            0 => Self::Parameter(index),
             1 => Self::LogVariance,
             2 => Self::Friction(term?),
             3 => Self::FrictionScore(term?),
             4 => Self::LogFrictionVariance,
-            5 => Self::OrderScore(place),
-            6 => Self::LogOrderAmplitude(place),
+            5 => Self::OrderScore(index),
+            6 => Self::LogOrderAmplitude(index),
             7 => Self::LogFriction(term?),
-            8 => Self::ChannelMean(place),
-            9 => Self::ChannelRms(place),
+            8 => Self::ChannelMean(index),
+            9 => Self::ChannelRms(index),
             _ => return None,
         })
     }
@@ -146,10 +146,10 @@ impl Feature {
         }
     }
 
-    /// The place of the bearing order that it measures, if it does.
+    /// The index of the bearing order that it measures, if it does.
     pub(crate) const fn order(self) -> Option<u8> {
         match self {
-            Self::OrderScore(place) | Self::LogOrderAmplitude(place) => Some(place),
+            Self::OrderScore(index) | Self::LogOrderAmplitude(index) => Some(index),
             _ => None,
         }
     }
@@ -167,8 +167,8 @@ impl Feature {
         // Known at compile time: a plan carries no code for features of parts that it does not have.
         let (shaft, balance) = if plan.layout().shaft.is_some() { shaft.unzip() } else { (None, None) };
         let estimate = if plan.layout().regression.is_some() { estimate } else { None };
-        let order = |place: u8| {
-            let order = shaft.and_then(|shaft| shaft.orders().get(place as usize)).copied();
+        let order = |index: u8| {
+            let order = shaft.and_then(|shaft| shaft.orders().get(index as usize)).copied();
             order.unwrap_or_default()
         };
         let reason = match self {
@@ -192,7 +192,7 @@ impl Feature {
         let none = shaft.is_none();
         let averaged = plan.layout().averaged != 0;
         let value = match self {
-            Self::Parameter(place) => estimate.and_then(|e| e.delta().get(place as usize)).copied().unwrap_or(0.0),
+            Self::Parameter(index) => estimate.and_then(|e| e.delta().get(index as usize)).copied().unwrap_or(0.0),
             Self::LogVariance => ln_of_level(estimate.map_or(0.0, |estimate| estimate.variance)),
             Self::ChannelMean(channel) if averaged => return channel_value(averages, channel, Average::mean),
             Self::ChannelRms(channel) if averaged => return channel_value(averages, channel, Average::rms),
@@ -204,8 +204,8 @@ impl Feature {
                 shaft.and_then(|shaft| shaft.friction.of(name)).map_or(0.0, |parameter| parameter.score)
             }
             Self::LogFrictionVariance => ln_of_level(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
-            Self::OrderScore(place) => order(place).score,
-            Self::LogOrderAmplitude(place) => ln_of_level(order(place).amplitude.max(LEAST_AMPLITUDE)),
+            Self::OrderScore(index) => order(index).score,
+            Self::LogOrderAmplitude(index) => ln_of_level(order(index).amplitude.max(LEAST_AMPLITUDE)),
         };
         Ok(FeatureValue::exact(value))
     }
@@ -214,7 +214,7 @@ impl Feature {
     #[must_use]
     pub const fn exists(self, layout: &Layout) -> bool {
         match (self, &layout.shaft) {
-            (Self::Parameter(place), _) => (place as usize) < layout.parameters(),
+            (Self::Parameter(index), _) => (index as usize) < layout.parameters(),
             (Self::LogVariance, _) => layout.regression.is_some(),
             (Self::ChannelMean(channel) | Self::ChannelRms(channel), _) => {
                 channel < 16 && (layout.averaged >> channel) & 1 == 1
@@ -224,13 +224,17 @@ impl Feature {
                 shaft.load.is_some() || !term.needs_load()
             }
             (Self::LogFrictionVariance, Some(_)) => true,
-            (Self::OrderScore(place) | Self::LogOrderAmplitude(place), Some(shaft)) => place < shaft.orders,
+            (Self::OrderScore(index) | Self::LogOrderAmplitude(index), Some(shaft)) => index < shaft.orders,
         }
     }
 }
 
 /// Why a feature of the shaft says nothing of this segment, although there is an estimate.
-fn unseen<P: Plan>(feature: Feature, shaft: Option<&ShaftEstimate<P>>, balance: Option<&Balance>) -> Option<Reason> {
+fn unseen<P: Plan>(
+    feature: Feature,
+    shaft: Option<&ShaftEstimate<P>>,
+    balance: Option<&TorqueBalance>,
+) -> Option<Reason> {
     let shaft = shaft?;
     if let Some(term) = feature.friction() {
         let known = balance?.part_of_rows(&shaft.friction, term) >= LEAST_FROM_ROWS;
@@ -261,8 +265,8 @@ mod tests {
     use std::vec;
 
     /// Without priors.
-    fn balance() -> Balance {
-        Balance { deviation: 0.0, ..tests::balance() }
+    fn balance() -> TorqueBalance {
+        TorqueBalance { deviation: 0.0, ..tests::balance() }
     }
 
     fn plan() -> RunTime {
@@ -332,7 +336,7 @@ mod tests {
         shaft.friction.viscous = Parameter { value: 4.0, deviation: 0.5, score: 2.0 };
         (shaft.friction.variance, shaft.friction_reason) = (1.0, None);
         let viscous = |prior: f32, shaft: &ShaftEstimate<RunTime>| {
-            let balance = Balance { prior: [prior; 7], deviation: 1.0, ..balance() };
+            let balance = TorqueBalance { prior: [prior; 7], deviation: 1.0, ..balance() };
             Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some((shaft, &balance)), &[]))
         };
         let half = viscous(0.708, &shaft).unwrap();
@@ -344,7 +348,7 @@ mod tests {
         // The drag at 20 rad/s of priors of 0.1: (20² + 1² + 1/26²) 0.01 = 4.01.
         shaft.friction.drag = Parameter { value: 4.0, deviation: 1.41, score: 0.0 };
         let drag = |deviation: f32| {
-            let balance = Balance {
+            let balance = TorqueBalance {
                 prior: [0.1; 7],
                 deviation,
                 usual_velocity_rad_s: 20.0,

@@ -19,7 +19,7 @@
 use super::features::FeatureValue;
 use crate::plan::{Array, Cells, Plan};
 use crate::regression::factor::pairs;
-use crate::unroll::rolled;
+use crate::unroll::no_unroll;
 
 /// The map (1).
 #[derive(Clone, Debug, PartialEq)]
@@ -55,8 +55,8 @@ impl<P: Plan> Projection<P> {
         let features = self.mean.cells().len();
         let row = self.matrix.cells().get(k.wrapping_mul(features)..).unwrap_or(&[]);
         let mut only = None;
-        for (place, weight) in pairs(0..rolled(features), row) {
-            if *weight != 0.0 && only.replace((place, *weight)).is_some() {
+        for (index, weight) in pairs(0..no_unroll(features), row) {
+            if *weight != 0.0 && only.replace((index, *weight)).is_some() {
                 return None;
             }
         }
@@ -66,8 +66,8 @@ impl<P: Plan> Projection<P> {
     /// The feature that alone has a weight in coordinate `k`, above 0; `None` if the coordinate is another combination.
     #[cfg(any(test, feature = "telemetry"))]
     pub(crate) fn feature(&self, k: usize) -> Option<u8> {
-        let (place, weight) = self.only(k)?;
-        if weight > 0.0 { u8::try_from(place).ok() } else { None }
+        let (index, weight) = self.only(k)?;
+        if weight > 0.0 { u8::try_from(index).ok() } else { None }
     }
 }
 
@@ -108,8 +108,8 @@ mod tests {
         // f − m = (−0.5, −3, 5): dyadic numbers, so every operation is exact.
         let features = [0.5, -1.0, 8.0];
         let with = |variances: [f32; 3]| {
-            let place = |k: usize| projection.excess(FeatureValue { value: features[k], variance: variances[k] }, k);
-            [0, 1].map(|k| projection.coordinate(&[0, 1, 2].map(place), k))
+            let index = |k: usize| projection.excess(FeatureValue { value: features[k], variance: variances[k] }, k);
+            [0, 1].map(|k| projection.coordinate(&[0, 1, 2].map(index), k))
         };
         let [first, second] = [-0.5 + 6.0 + 2.5, -12.0 + 5.0];
         assert_eq!(with([0.0; 3]).map(|z| (z.value, z.variance)), [(first, 0.0), (second, 0.0)]);

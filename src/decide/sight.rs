@@ -23,8 +23,8 @@ use super::gates::density::{Density, pivots};
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::FrictionTerm;
 use crate::regression::factor::{numbered, pairs};
-use crate::shaft::{Balance, ShaftEstimate};
-use crate::unroll::rolled;
+use crate::shaft::{ShaftEstimate, TorqueBalance};
+use crate::unroll::no_unroll;
 
 /// A part of the usual friction that is acceptable whatever is usual: drives of training may be very much alike.
 const ACCEPTABLE: f32 = 0.1;
@@ -44,13 +44,13 @@ impl<P: Plan> Classifier<P> {
         let (most, mut acceptable) = (novelty.acceptable * novelty.acceptable, [false; 2]);
         self.shifts(&density, variances.len(), shifts.cells_mut());
         for (k, pivot) in numbered(pivots(novelty.factor.cells(), variances.len())) {
-            let place = self.place(k, variances.len());
-            let (Some(size), Some(shift)) = (sizes.get_mut(place), shifts.cells().get(place)) else { continue };
-            if place == 0 || *shift >= f32::INFINITY {
+            let index = self.index(k, variances.len());
+            let (Some(size), Some(shift)) = (sizes.get_mut(index), shifts.cells().get(index)) else { continue };
+            if index == 0 || *shift >= f32::INFINITY {
                 continue;
             }
             let only =
-                self.projection.only(k).and_then(|(place, weight)| Some((self.features.cells().get(place)?, weight)));
+                self.projection.only(k).and_then(|(index, weight)| Some((self.features.cells().get(index)?, weight)));
             let friction = only.and_then(|(feature, _)| feature.friction());
             *size = match (only, friction.zip(estimates.1)) {
                 (_, Some((term, shaft))) => self.friction(term, shaft, &density, shifts.cells()),
@@ -59,7 +59,7 @@ impl<P: Plan> Classifier<P> {
                 (None, _) => f32::INFINITY,
             };
             if friction.is_some() {
-                let reach = novelty.rises.cells().get(place).map_or(0.0, |rise| rise.reach);
+                let reach = novelty.rises.cells().get(index).map_or(0.0, |rise| rise.reach);
                 let usual = reach * reach * pivot * (1.0 + k as f32 / novelty.freedom);
                 let [known, good] = &mut acceptable;
                 (*known, *good) = (true, *good || *shift * *shift <= most * usual || *size <= ACCEPTABLE);
@@ -69,8 +69,8 @@ impl<P: Plan> Classifier<P> {
         good || !known
     }
 
-    /// The place of a coordinate's law. The rising coordinates are the last ones; their places begin at 1.
-    fn place(&self, coordinate: usize, all: usize) -> usize {
+    /// The index of a coordinate's law. The rising coordinates are the last ones; their indices begin at 1.
+    fn index(&self, coordinate: usize, all: usize) -> usize {
         coordinate.wrapping_add(self.novelty.laws.cells().len()).wrapping_sub(all)
     }
 
@@ -79,8 +79,8 @@ impl<P: Plan> Classifier<P> {
     fn shifts(&self, density: &Density<P>, all: usize, shifts: &mut [f32]) {
         let mut before = 0.0;
         for (k, pivot) in numbered(density.pivots()) {
-            let place = self.place(k, all);
-            if let Some((shift, rise)) = shifts.get_mut(place).zip(self.novelty.rises.cells().get(place)) {
+            let index = self.index(k, all);
+            if let Some((shift, rise)) = shifts.get_mut(index).zip(self.novelty.rises.cells().get(index)) {
                 *shift = rise.reach * libm::sqrtf(pivot * (1.0 + before / self.novelty.freedom));
             }
             if pivot < f32::INFINITY {
@@ -94,7 +94,7 @@ impl<P: Plan> Classifier<P> {
     fn friction(
         &self,
         term: FrictionTerm,
-        (shaft, balance): (&ShaftEstimate<P>, &Balance),
+        (shaft, balance): (&ShaftEstimate<P>, &TorqueBalance),
         density: &Density<P>,
         shifts: &[f32],
     ) -> f32 {
@@ -109,7 +109,8 @@ impl<P: Plan> Classifier<P> {
             })
         };
         let mut slopes: Array<P::Features, f32> = Cells::filled(features.len(), 0.0);
-        pairs(slopes.cells_mut(), rolled(features)).for_each(|(cell, feature)| *cell = slope(*feature).unwrap_or(0.0));
+        pairs(slopes.cells_mut(), no_unroll(features))
+            .for_each(|(cell, feature)| *cell = slope(*feature).unwrap_or(0.0));
         let all = self.novelty.mean.cells().len();
         let row = |k: usize| self.projection.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);
         let moved = |k: usize| pairs(row(k), slopes.cells()).map(|(weight, slope)| weight * slope).sum();
@@ -117,14 +118,14 @@ impl<P: Plan> Classifier<P> {
         let mut least = (f32::INFINITY, 0);
         density.solve(&[], moved.cells(), |y, _, after| {
             let k = all.wrapping_sub(after).wrapping_sub(1);
-            let size = shifts.get(self.place(k, all)).map_or(f32::INFINITY, |shift| shift / y);
+            let size = shifts.get(self.index(k, all)).map_or(f32::INFINITY, |shift| shift / y);
             // Written so that a value that is not a number shows nothing.
-            if self.place(k, all) > 0 && size > 0.0 && size < least.0 {
+            if self.index(k, all) > 0 && size > 0.0 && size < least.0 {
                 least = (size, k);
             }
         });
         let (size, k) = least;
-        let feature = self.projection.only(k).and_then(|(place, _)| features.get(place));
+        let feature = self.projection.only(k).and_then(|(index, _)| features.get(index));
         if matches!(feature, Some(Feature::LogFriction(_))) { libm::expf(size) - 1.0 } else { size }
     }
 
@@ -132,15 +133,15 @@ impl<P: Plan> Classifier<P> {
     /// if none is known.
     fn size(&self, k: usize, (feature, weight): (Feature, f32), shift: f32, (_, shaft, _): Estimates<'_, P>) -> f32 {
         let of_feature = (shift / weight).abs();
-        let at = |list: &[f32], place: usize| list.get(place).copied().unwrap_or(0.0);
+        let at = |list: &[f32], index: usize| list.get(index).copied().unwrap_or(0.0);
         let size = match (feature, shaft) {
             (Feature::OrderScore(order) | Feature::LogOrderAmplitude(order), Some((shaft, _))) => {
                 shaft.orders().get(order as usize).map_or(f32::INFINITY, |order| order.smallest)
             }
             (Feature::LogFrictionVariance | Feature::LogVariance, _) => libm::expf(of_feature) - 1.0,
             _ => {
-                let place = self.projection.only(k).map_or(usize::MAX, |(place, _)| place);
-                let mean = at(self.projection.mean.cells(), place) + at(self.novelty.mean.cells(), k) / weight;
+                let index = self.projection.only(k).map_or(usize::MAX, |(index, _)| index);
+                let mean = at(self.projection.mean.cells(), index) + at(self.novelty.mean.cells(), k) / weight;
                 (of_feature / mean).abs()
             }
         };

@@ -338,7 +338,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
         // The open block of a mean keeps its place among the samples, and is spoilt.
         self.spoiled = !self.block.is_empty();
         self.renew();
-        self.is_in_first_half().then(|| self.sequence.doubt())
+        self.is_in_first_half().then(|| self.sequence.withdraw())
     }
 
     /// Whether less than half of the open segment has passed: what is found late may then have begun in the one before.
@@ -352,7 +352,7 @@ impl<'m, P: Plan, O: BorrowMut<Segment<P>>> Detector<'m, P, O> {
     pub fn restart(&mut self) {
         (self.gate, self.block) = (Gate::new(self.model.plan()), BlockMean::new());
         (self.spoiled, self.samples) = (false, 0);
-        self.sequence.trust();
+        self.sequence.keep();
         self.renew();
     }
 

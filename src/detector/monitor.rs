@@ -17,7 +17,7 @@ use core::borrow::BorrowMut;
 use super::Detector;
 use super::segment::Segment;
 use super::sequence::Sequence;
-use super::solver::Solve;
+use super::solver::SegmentSolver;
 use super::verdict;
 use crate::alarm::evidence::{Alarm, Evidence};
 use crate::alarm::{Silence, SilenceLimits, StateError};
@@ -47,7 +47,7 @@ pub struct Monitor<'m, P: Plan> {
     /// The evidence without the report, in case that is withdrawn.
     evidence_before: Evidence<P>,
     segment: Option<Segment<P>>,
-    solve: Solve<P>,
+    solve: SegmentSolver<P>,
     report: Report<P>,
     work: Work,
     /// Of the segment of the report.
@@ -68,7 +68,7 @@ enum Work {
     /// The segment is being solved.
     Solving,
     /// A report that the next segment may withdraw.
-    Doubtable,
+    Withdrawable,
 }
 
 /// What is known with the last segment.
@@ -92,7 +92,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
             evidence: Evidence::new(model),
             evidence_before: Evidence::new(model),
             segment: None,
-            solve: Solve::new(plan),
+            solve: SegmentSolver::new(plan),
             report: Report::empty(plan),
             work: Work::Settled,
             sequence: Sequence::default(),
@@ -194,7 +194,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Settles the segment before, which this one may put in doubt.
     #[inline(always)]
     fn follow(&mut self, sequence: Sequence) {
-        self.settle(sequence.doubts_that(self.sequence));
+        self.settle(sequence.withdraws_that(self.sequence));
         self.sequence = sequence;
     }
 
@@ -211,7 +211,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     // Out of line, as `fetch` is.
     #[inline(never)]
     fn start(&mut self) {
-        self.solve = Solve::new(self.model.plan());
+        self.solve = SegmentSolver::new(self.model.plan());
         self.report = Report::empty(self.model.plan());
         self.work = Work::Solving;
     }
@@ -248,7 +248,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
 
     /// Gives the report to the evidence.
     fn judge(&mut self) {
-        self.work = Work::Doubtable;
+        self.work = Work::Withdrawable;
         if let Some(error) = self.refusal() {
             (self.report.verdict, self.report.decision) = (Verdict::Undetermined(Reason::Implausible(error)), None);
         }
@@ -262,8 +262,8 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Withdraws the report if it is in doubt: the evidence is as without it.
     fn settle(&mut self, doubtful: bool) {
         self.solve_rest();
-        if self.work == Work::Doubtable && doubtful {
-            self.report.doubt();
+        if self.work == Work::Withdrawable && doubtful {
+            self.report.withdraw();
             self.evidence.clone_from(&self.evidence_before);
             self.evidence.observe_outcome(self.report.outcome());
         }
@@ -273,7 +273,7 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Withdraws the report of the segment with this number, which [`Detector::discard`] has returned; returns whether
     /// there is one that may be withdrawn. The next segment does it too, but comes later.
     pub fn withdraw(&mut self, number: u32) -> bool {
-        let withdrawn = self.work == Work::Doubtable && self.sequence.is(number);
+        let withdrawn = self.work == Work::Withdrawable && self.sequence.is(number);
         if withdrawn {
             self.settle(true);
         }

@@ -3,7 +3,7 @@
 use super::sequence::Sequence;
 use crate::model::{Model, ShaftConstants};
 use crate::plan::{Array, Cells, Plan, Presence};
-use crate::reason::{Kernel, Reason};
+use crate::reason::{ArithmeticFault, Reason};
 use crate::regression::estimate::RegressionSums;
 use crate::shaft::ShaftSums;
 use crate::signal::Counts;
@@ -26,7 +26,7 @@ pub struct Segment<P: Plan> {
     /// Whether nothing is summed in it.
     pub(super) clear: bool,
     /// What the processor did not compute as the host does when the segment closed.
-    pub(super) failed: Option<Kernel>,
+    pub(super) failed: Option<ArithmeticFault>,
     /// The id of the model.
     pub(super) model: u32,
     /// Its place among the segments of the detector.

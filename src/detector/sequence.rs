@@ -8,7 +8,7 @@ pub(super) struct Sequence(u32);
 
 impl Sequence {
     /// The segment before is in doubt; returns its number.
-    pub(super) const fn doubt(&mut self) -> u32 {
+    pub(super) const fn withdraw(&mut self) -> u32 {
         self.0 |= 1;
         (self.0 >> 1).wrapping_sub(1) & (u32::MAX >> 1)
     }
@@ -19,7 +19,7 @@ impl Sequence {
     }
 
     /// It is not.
-    pub(super) const fn trust(&mut self) {
+    pub(super) const fn keep(&mut self) {
         self.0 &= !1;
     }
 
@@ -29,13 +29,13 @@ impl Sequence {
     }
 
     /// Whether the segment before is in doubt.
-    pub(super) const fn doubts(self) -> bool {
+    pub(super) const fn withdraws(self) -> bool {
         self.0 & 1 == 1
     }
 
     /// Whether it puts this one in doubt, which is then the one before.
-    pub(super) const fn doubts_that(self, other: Self) -> bool {
-        self.doubts() && other.next().0 == self.0 & !1
+    pub(super) const fn withdraws_that(self, other: Self) -> bool {
+        self.withdraws() && other.next().0 == self.0 & !1
     }
 }
 
@@ -48,12 +48,12 @@ mod tests {
         let first = Sequence(u32::MAX - 1);
         let (mut second, mut third) = (first.next(), first.next().next());
         assert_eq!((second, third), (Sequence(0), Sequence(2)));
-        assert!(!second.doubts_that(first));
-        assert!(first.is(second.doubt()) && second.is(third.doubt()));
-        third.trust();
-        assert!(second.doubts_that(first) && !second.doubts_that(third) && !second.doubts_that(second));
+        assert!(!second.withdraws_that(first));
+        assert!(first.is(second.withdraw()) && second.is(third.withdraw()));
+        third.keep();
+        assert!(second.withdraws_that(first) && !second.withdraws_that(third) && !second.withdraws_that(second));
         assert_eq!(second.next(), third, "a doubt is of one segment");
-        second.trust();
-        assert!(!second.doubts());
+        second.keep();
+        assert!(!second.withdraws());
     }
 }

@@ -16,7 +16,7 @@ impl<P: Plan> Segment<P> {
     /// The report, in the place of the caller's: a copy would take stack. The sums are overwritten.
     #[inline(never)]
     pub(super) fn solve(&mut self, model: &Model<P>, report: &mut Report<P>) {
-        Solve::new(model.plan()).run(model, self, report);
+        SegmentSolver::new(model.plan()).run(model, self, report);
         verdict::log(model, report);
     }
 
@@ -46,14 +46,14 @@ enum Step {
 /// The state of a solve apart from its segment and its report, which are not moved.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Solve<P: Plan> {
+pub(super) struct SegmentSolver<P: Plan> {
     regression: Array<P::Regressed, RegressionSolve<P>>,
     shaft: Array<P::Watched, ShaftSolve>,
     classification: Classification<P>,
     next: Step,
 }
 
-impl<P: Plan> Solve<P> {
+impl<P: Plan> SegmentSolver<P> {
     // Out of line, so that what it moves takes no stack during the solve.
     #[inline(never)]
     pub(super) fn new(plan: P) -> Self {

@@ -6,7 +6,7 @@ use crate::plan::{Cells, Plan};
 use crate::reason::{FrictionTerm, Obstacle, Reason};
 use crate::regression::factor::pairs;
 use crate::report::{Report, Verdict};
-use crate::unroll::rolled;
+use crate::unroll::no_unroll;
 
 /// Whether the signals contradict the model or each other; then that is the reason for no verdict.
 // Out of line, so that it takes no stack during the solve.
@@ -52,10 +52,10 @@ fn name_order<P: Plan>(model: &Model<P>, report: &mut Report<P>) {
     let (Some(constants), Some(shaft), Some(decision)) = parts else { return };
     let orders = constants.tracking.orders.cells();
     let mut strongest = f32::NEG_INFINITY;
-    for k in 0..rolled(classifier.novelty.mean.cells().len()) {
-        let only = classifier.projection.only(k).and_then(|(place, _)| classifier.features.cells().get(place)?.order());
-        let Some(place) = only else { continue };
-        let Some((own, order)) = shaft.orders().get(place as usize).zip(orders.get(place as usize)) else { continue };
+    for k in 0..no_unroll(classifier.novelty.mean.cells().len()) {
+        let only = classifier.projection.only(k).and_then(|(index, _)| classifier.features.cells().get(index)?.order());
+        let Some(index) = only else { continue };
+        let Some((own, order)) = shaft.orders().get(index as usize).zip(orders.get(index as usize)) else { continue };
         if !own.unseen && own.score >= order.needed_score && own.score > strongest {
             strongest = own.score;
             decision.most = u8::try_from(k).ok().map(|coordinate| Most { coordinate, falls: false });
@@ -72,9 +72,9 @@ fn unseen<P: Plan>(model: &Model<P>, report: &Report<P>, friction: bool) -> Opti
     let missing = report.decision.as_ref()?.missing();
     // Of orders and of frictions: whether the model has such features, and whether one has seen enough.
     let (mut of_orders, mut of_frictions) = ([false; 2], [false; 2]);
-    for (feature, missing) in pairs(rolled(classifier.features.cells()), rolled(missing)) {
-        let (seen, good) = if let Some(place) = feature.order() {
-            let pair = shaft.orders().get(place as usize).zip(orders.cells().get(place as usize));
+    for (feature, missing) in pairs(no_unroll(classifier.features.cells()), no_unroll(missing)) {
+        let (seen, good) = if let Some(index) = feature.order() {
+            let pair = shaft.orders().get(index as usize).zip(orders.cells().get(index as usize));
             (&mut of_orders, pair.is_some_and(|(own, order)| own.smallest <= order.most_a))
         } else if feature.friction().is_some() {
             (&mut of_frictions, friction)

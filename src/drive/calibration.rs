@@ -166,8 +166,8 @@ impl OffsetCalibration {
     /// The first phase whose offset is refused, and why.
     pub fn finish(&self, mut sensors: [PhaseSensor; 3]) -> Result<[PhaseSensor; 3], CalibrationError> {
         let wanted = self.limits.samples.max(2);
-        for ((place, sums), (sensor, phase)) in self.sums.iter().enumerate().zip(sensors.iter_mut().zip(Phase::ALL)) {
-            if place == 2 && sums.count == 0 {
+        for ((index, sums), (sensor, phase)) in self.sums.iter().enumerate().zip(sensors.iter_mut().zip(Phase::ALL)) {
+            if index == 2 && sums.count == 0 {
                 continue; // two sensors
             }
             if sums.count < wanted {

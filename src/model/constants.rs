@@ -1,12 +1,12 @@
 //! Everything that was trained, as plain numbers.
 
-use super::parts::Parts;
+use super::parts::ModelView;
 use super::sampling::Sampling;
 use crate::alarm::EvidenceConstants;
 use crate::decide::Classifier;
 use crate::plan::{Array, Cells, Plan};
 use crate::regression::Regression;
-use crate::shaft::Balance;
+use crate::shaft::TorqueBalance;
 use crate::shaft::state::ShaftConstants;
 use crate::signal::{Channel, Label};
 
@@ -32,13 +32,13 @@ pub struct Constants<P: Plan> {
 
 impl<P: Plan> Constants<P> {
     /// The torque balance of the shaft, if there is one.
-    pub(crate) fn balance(&self) -> Option<&Balance> {
+    pub(crate) fn balance(&self) -> Option<&TorqueBalance> {
         self.shaft.part().map(|shaft| &shaft.balance)
     }
 }
 
 impl<P: Plan> Constants<P> {
-    pub(super) fn parts(&self, plan: P) -> Parts<'_> {
+    pub(super) fn parts(&self, plan: P) -> ModelView<'_> {
         crate::plan!(@parts viewed, P, self, plan.layout(), P::channels().unwrap_or(&[]))
     }
 }

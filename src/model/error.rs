@@ -121,8 +121,8 @@ pub enum ModelError {
     OtherPlan,
     /// A channel of the model has another name or unit than that of the plan.
     Channel {
-        /// Place of the channel in the sample.
-        place: u8,
+        /// Index of the channel in the sample.
+        index: u8,
     },
     /// The front end has another sign convention than the recordings on which the model was trained.
     Park {
@@ -182,8 +182,8 @@ impl ModelError {
 impl core::fmt::Display for ModelError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Channel { place } => {
-                write!(f, "channel {} of the model has another name or unit than in the plan", u16::from(*place) + 1)
+            Self::Channel { index } => {
+                write!(f, "channel {} of the model has another name or unit than in the plan", u16::from(*index) + 1)
             }
             Self::Park { trained, given } => {
                 write!(f, "the model was trained with the Park convention {trained:?}, the front end has {given:?}")

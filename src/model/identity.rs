@@ -3,11 +3,11 @@
 //! It is `const`, so that an exported model has it at compile time. Models with other numbers have other identities,
 //! but for one pair in 2³².
 
-use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
+use super::parts::{ModelView, RegressionView, RunsView, ShaftView};
 use super::sampling::Sampling;
 use crate::alarm::EvidenceConstants;
 use crate::decide::{Background, Covariate, Direction, Feature, NO_MODEL, Rise};
-use crate::shaft::{Balance, Blocks, Lags, TrackedOrder};
+use crate::shaft::{Blocks, Lags, TorqueBalance, TrackedOrder};
 use crate::signal::Channel;
 
 /// Words so far.
@@ -75,10 +75,10 @@ impl Mixed {
         mixed
     }
 
-    const fn balance(self, balance: &Balance) -> Self {
-        let Balance { interval_s, filter, row_interval, settle, scale, nominal, prior, deviation, .. } = balance;
-        let Balance { sign_velocity_rad_s, stribeck_velocity_rad_s, usual_velocity_rad_s, .. } = balance;
-        let Balance { usual_load_nm, row_spread, largest_change_rad, own_from_rows, .. } = balance;
+    const fn balance(self, balance: &TorqueBalance) -> Self {
+        let TorqueBalance { interval_s, filter, row_interval, settle, scale, nominal, prior, deviation, .. } = balance;
+        let TorqueBalance { sign_velocity_rad_s, stribeck_velocity_rad_s, usual_velocity_rad_s, .. } = balance;
+        let TorqueBalance { usual_load_nm, row_spread, largest_change_rad, adapt_after_rows, .. } = balance;
         self.floats(scale)
             .floats(nominal)
             .floats(prior)
@@ -86,7 +86,7 @@ impl Mixed {
             .floats(&[*sign_velocity_rad_s, *stribeck_velocity_rad_s, *usual_velocity_rad_s])
             .word(*row_interval as u32)
             .word(*settle as u32)
-            .word(*own_from_rows as u32)
+            .word(*adapt_after_rows as u32)
     }
 
     const fn blocks(self, blocks: &Blocks) -> Self {
@@ -127,7 +127,7 @@ impl Mixed {
 /// The number of a model, never [`NO_MODEL`].
 #[doc(hidden)]
 #[must_use]
-pub const fn identity(parts: &Parts<'_>) -> u32 {
+pub const fn identity(parts: &ModelView<'_>) -> u32 {
     let Sampling { interval_s, park, block_mean, segment_samples } = *parts.sampling;
     let mut mixed = Mixed(parts.layout.classes as u32).floats(&[interval_s]).word(segment_samples);
     mixed = mixed.word(block_mean as u32).word(match park {
@@ -135,14 +135,14 @@ pub const fn identity(parts: &Parts<'_>) -> u32 {
         Some(park) => 1 + park as u32,
     });
     mixed = mixed.channels(parts.channels).features(parts.features).covariates(parts.covariates);
-    if let Some(RegressionParts { scale, nominal, forgetting, rest, settle, handover }) = parts.regression {
+    if let Some(RegressionView { scale, nominal, forgetting, rest, settle, handover }) = parts.regression {
         mixed = mixed.floats(scale).floats(nominal).floats(&[rest]);
         mixed = mixed.floats(&[forgetting.lambda, forgetting.floor]).word(settle as u32).word(handover as u32);
     }
-    if let Some(ShaftParts { lags: Lags { current, velocity, load }, balance, orders, blocks }) = &parts.shaft {
+    if let Some(ShaftView { lags: Lags { current, velocity, load }, balance, orders, blocks }) = &parts.shaft {
         mixed = mixed.floats(&[*current, *velocity, *load]).balance(balance).orders(orders).blocks(blocks);
     }
-    mixed = mixed.floats(parts.explained.as_flattened()).floats(parts.map).floats(parts.feature_means);
+    mixed = mixed.floats(parts.covariate_map.as_flattened()).floats(parts.map).floats(parts.feature_means);
     mixed = mixed.floats(parts.usual).floats(parts.means).floats(parts.factors).floats(parts.log_prior);
     mixed = mixed.floats(parts.costs).floats(&[parts.reject_cost, parts.freedom, parts.limit, parts.acceptable]);
     mixed = mixed.word(match parts.healthy {
@@ -151,7 +151,7 @@ pub const fn identity(parts: &Parts<'_>) -> u32 {
     });
     mixed = mixed.floats(parts.novelty_mean).floats(parts.novelty_factor).floats(parts.knots.as_flattened());
     mixed = mixed.floats(parts.laws.as_flattened().as_flattened()).directions(parts.directions).rises(parts.rises);
-    let RunParts { usual_segments, margin, most_runs } = parts.runs;
+    let RunsView { usual_segments, margin, most_runs } = parts.runs;
     mixed = mixed.floats(&[usual_segments, margin]).word(most_runs as u32);
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = parts.evidence;
     mixed = mixed.floats(&[bet, limit, cap, log_mean, defect_log_mean]).word(segments_a_run);

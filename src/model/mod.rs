@@ -22,7 +22,7 @@ pub use crate::decide::{
 };
 pub use crate::regression::Regression;
 pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_SEGMENT_ROWS};
-pub use crate::shaft::balance::{Balance, StateVariable, TERMS};
+pub use crate::shaft::balance::{StateVariable, TERMS, TorqueBalance};
 pub use crate::shaft::delays::{Lags, MAX_LAG};
 pub use crate::shaft::orders::{Blocks, CONTROLS, LAGS, TrackedOrder, Tracking, q16};
 pub use crate::shaft::state::{BRIDGE, ShaftConstants};
@@ -34,7 +34,7 @@ pub use error::{Field, ModelError};
 #[doc(hidden)]
 pub use identity::identity;
 #[doc(hidden)]
-pub use parts::{Parts, RegressionParts, RunParts, ShaftParts};
+pub use parts::{ModelView, RegressionView, RunsView, ShaftView};
 pub use sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};
 #[doc(hidden)]
 pub use validate::check;

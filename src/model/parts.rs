@@ -5,13 +5,13 @@ use crate::alarm::EvidenceConstants;
 use crate::decide::{Covariate, Direction, Feature, KNOTS, Law, Rise};
 use crate::plan::Layout;
 use crate::regression::factor::Forgetting;
-use crate::shaft::{Balance, Blocks, Lags, TrackedOrder};
+use crate::shaft::{Blocks, Lags, TorqueBalance, TrackedOrder};
 use crate::signal::{Channel, Label};
 
 /// The numbers of a regression as slices.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
-pub struct RegressionParts<'a> {
+pub struct RegressionView<'a> {
     pub scale: &'a [f32],
     pub nominal: &'a [f32],
     pub forgetting: Forgetting,
@@ -23,9 +23,9 @@ pub struct RegressionParts<'a> {
 /// The numbers of a shaft as slices.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
-pub struct ShaftParts<'a> {
+pub struct ShaftView<'a> {
     pub lags: Lags,
-    pub balance: &'a Balance,
+    pub balance: &'a TorqueBalance,
     pub orders: &'a [TrackedOrder],
     pub blocks: Blocks,
 }
@@ -33,7 +33,7 @@ pub struct ShaftParts<'a> {
 /// The numbers of the directions together.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
-pub struct RunParts {
+pub struct RunsView {
     pub usual_segments: f32,
     pub margin: f32,
     pub most_runs: u16,
@@ -42,16 +42,16 @@ pub struct RunParts {
 /// The numbers of a model as slices of any length.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
-pub struct Parts<'a> {
+pub struct ModelView<'a> {
     pub layout: Layout,
     pub names: &'a [(&'a str, &'a str)],
     pub sampling: &'a Sampling,
     pub channels: &'a [Channel],
-    pub regression: Option<RegressionParts<'a>>,
-    pub shaft: Option<ShaftParts<'a>>,
+    pub regression: Option<RegressionView<'a>>,
+    pub shaft: Option<ShaftView<'a>>,
     pub features: &'a [Feature],
     pub covariates: &'a [Covariate],
-    pub explained: &'a [[f32; 2]],
+    pub covariate_map: &'a [[f32; 2]],
     pub map: &'a [f32],
     pub feature_means: &'a [f32],
     pub usual: &'a [f32],
@@ -70,7 +70,7 @@ pub struct Parts<'a> {
     pub acceptable: f32,
     pub limit: f32,
     pub directions: &'a [Direction],
-    pub runs: RunParts,
+    pub runs: RunsView,
     pub evidence: EvidenceConstants,
     pub labels: &'a [Label],
 }

@@ -147,10 +147,10 @@ mod tests {
         // Rows of 3, 2 and 1 elements, twice.
         let good = [1.0, -9.0, 9.0, 100.0, -9.0, f32::MIN_POSITIVE, 2.0, 0.0, 0.0, 2.0, 0.0, 2.0];
         assert!(are_factors(&good, 3, 10.0));
-        for (place, x) in [(0, 0.0), (3, -1.0), (5, 1e-39), (6, f32::NAN), (11, 101.0), (1, -10.1), (8, f32::NAN)] {
+        for (index, x) in [(0, 0.0), (3, -1.0), (5, 1e-39), (6, f32::NAN), (11, 101.0), (1, -10.1), (8, f32::NAN)] {
             let mut bad = good;
-            bad[place] = x;
-            assert!(!are_factors(&bad, 3, 10.0), "{place} {x}");
+            bad[index] = x;
+            assert!(!are_factors(&bad, 3, 10.0), "{index} {x}");
         }
     }
 

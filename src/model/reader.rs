@@ -4,9 +4,9 @@
 
 use super::bytes::NEWER;
 use super::{
-    Background, Balance, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Directions, Discriminant,
+    Background, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Directions, Discriminant,
     EvidenceConstants, Feature, Field, Forgetting, KNOTS, Label, Lags, ModelError, Name, Novelty, Projection,
-    Regression, Rise, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking,
+    Regression, Rise, Sampling, ShaftConstants, StateVariable, TERMS, TorqueBalance, TrackedOrder, Tracking,
 };
 use crate::plan::{
     Array, Cells, Kind, Layout, MAX_HARMONICS, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
@@ -179,12 +179,12 @@ fn blank_shaft<P: Plan>(plan: P) -> ShaftConstants<P> {
     let order = TrackedOrder::new(1.0, [0.0; MAX_HARMONICS]);
     ShaftConstants {
         lags: Lags::default(),
-        balance: Balance {
+        balance: TorqueBalance {
             interval_s: 1.0,
             filter: StateVariable::new(0.1, 1.0),
             row_interval: 1,
             settle: 0,
-            own_from_rows: 0,
+            adapt_after_rows: 0,
             sign_velocity_rad_s: 1.0,
             stribeck_velocity_rad_s: 1.0,
             usual_velocity_rad_s: 1.0,
@@ -211,7 +211,7 @@ fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstant
     balance.usual_velocity_rad_s = reader.f32()?;
     balance.usual_load_nm = reader.f32()?;
     (balance.row_spread, balance.deviation) = (reader.f32()?, reader.f32()?);
-    balance.own_from_rows = reader.u16()?;
+    balance.adapt_after_rows = reader.u16()?;
     reader.fill(&mut balance.scale)?;
     reader.fill(&mut balance.nominal)?;
     reader.fill(&mut balance.prior)?;
@@ -240,7 +240,7 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
         let (centre, low, high, usual) = (reader.f32()?, reader.f32()?, reader.f32()?, reader.f32()?);
         Ok(Covariate { feature, centre, low, high, usual })
     })?;
-    let mut map: Array<P::Explained, [f32; 2]> = Cells::filled(layout.explained(), [0.0; 2]);
+    let mut map: Array<P::CovariateMap, [f32; 2]> = Cells::filled(layout.covariate_map_len(), [0.0; 2]);
     reader.fill(map.cells_mut().as_flattened_mut())?;
     let covariates = Covariates { list, map };
     let (matrix, count) = (reader.floats(layout.map())?, layout.features as usize);

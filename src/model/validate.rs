@@ -1,12 +1,12 @@
 //! The checks of a model. They run at compile time for exported constants, and when a binary model is read.
 //!
-//! Enters: the numbers of a model as [`Parts`]. Leaves: nothing, or the first [`ModelError`]. Every length must match
+//! Enters: the numbers of a model as [`ModelView`]. Leaves: nothing, or the first [`ModelError`]. Every length must match
 //! the layout, every number its plausible range: what a range excludes is no product of training, and would leave the
 //! range of `f32`, or a gate or an alarm without effect, behind a good checksum. An infinite limit is a choice: nothing
 //! is novel, no alarm, no rejection. The code is `const`, so it walks slices by patterns.
 
 use super::error::{Field, ModelError};
-use super::parts::{Parts, RegressionParts, RunParts, ShaftParts};
+use super::parts::{ModelView, RegressionView, RunsView, ShaftView};
 use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, reaches, split};
 use super::sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};
 use crate::alarm::EvidenceConstants;
@@ -67,7 +67,7 @@ macro_rules! pass {
 /// # Errors
 /// The first thing that does not fit.
 #[doc(hidden)]
-pub const fn check(parts: &Parts<'_>) -> Result<(), ModelError> {
+pub const fn check(parts: &ModelView<'_>) -> Result<(), ModelError> {
     let layout = &parts.layout;
     if let Err(error) = layout.check() {
         return Err(ModelError::Layout(error));
@@ -94,9 +94,9 @@ pub const fn check(parts: &Parts<'_>) -> Result<(), ModelError> {
     check_labels(parts.labels, parts.layout.classes as usize)
 }
 
-const fn check_channels(parts: &Parts<'_>) -> Result<(), ModelError> {
+const fn check_channels(parts: &ModelView<'_>) -> Result<(), ModelError> {
     require_length!(parts.channels.len(), parts.layout.channels as usize, ChannelName);
-    let (mut channels, mut names, mut place) = (parts.channels, parts.names, 0_u8);
+    let (mut channels, mut names, mut index) = (parts.channels, parts.names, 0_u8);
     while let [Channel { name, unit, limit, saturation, stuck_samples }, rest @ ..] = channels {
         require!(*limit >= f32::MIN_POSITIVE && *limit <= 1e18, ChannelLimit);
         require!(*saturation > 0.0 && *saturation <= *limit, Saturation);
@@ -104,41 +104,41 @@ const fn check_channels(parts: &Parts<'_>) -> Result<(), ModelError> {
         require!(*stuck_samples != 1, StuckSamples);
         if let [(own_name, own_unit), later @ ..] = names {
             if !name.is(own_name) || !unit.is(own_unit) {
-                return Err(ModelError::Channel { place });
+                return Err(ModelError::Channel { index });
             }
             names = later;
         }
         channels = rest;
-        place = place.wrapping_add(1);
+        index = index.wrapping_add(1);
     }
     Ok(())
 }
 
 /// The largest plausible magnitude of a signal.
 const fn limit_of(channels: &[Channel], signal: Signal) -> f32 {
-    let (mut sum, mut rest, mut place) = (0.0, channels, 0_u8);
+    let (mut sum, mut rest, mut index) = (0.0, channels, 0_u8);
     while let [channel, later @ ..] = rest {
         let other = match signal.minus {
-            Some(other) => other == place,
+            Some(other) => other == index,
             None => false,
         };
-        if signal.channel == place || other {
+        if signal.channel == index || other {
             sum += channel.limit;
         }
         rest = later;
-        place = place.wrapping_add(1);
+        index = index.wrapping_add(1);
     }
     sum
 }
 
 const fn check_regression(
     layout: &RegressionLayout,
-    regression: &RegressionParts<'_>,
-    parts: &Parts<'_>,
+    regression: &RegressionView<'_>,
+    parts: &ModelView<'_>,
 ) -> Result<(), ModelError> {
     let Structure { na, nb, nc, .. } = layout.structure;
     let (columns, n) = (layout.columns(), layout.structure.parameters());
-    let RegressionParts { scale, nominal, forgetting, rest, settle, handover } = *regression;
+    let RegressionView { scale, nominal, forgetting, rest, settle, handover } = *regression;
     let segment_samples = parts.sampling.segment_samples;
     let longest = match layout.memory {
         Memory::Segment => MAX_SEGMENT_ROWS,
@@ -177,8 +177,8 @@ const fn check_regression(
     Ok(())
 }
 
-const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts<'_>) -> Result<(), ModelError> {
-    let ShaftParts { lags: Lags { current, velocity, load }, balance, orders, blocks } = *shaft;
+const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftView<'_>, parts: &ModelView<'_>) -> Result<(), ModelError> {
+    let ShaftView { lags: Lags { current, velocity, load }, balance, orders, blocks } = *shaft;
     require!(all_within(&[current, velocity, load], 0.0, MAX_LAG), SignalLag);
     require!(balance.interval_s > 0.0 && balance.interval_s <= LONGEST_S, BalanceInterval);
     let StateVariable { gain, damping, rate_per_s } = balance.filter;
@@ -260,7 +260,7 @@ const fn is_good(order: &TrackedOrder, harmonics: usize) -> bool {
         && order.most_a > 0.0
 }
 
-const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
+const fn check_classifier(parts: &ModelView<'_>) -> Result<(), ModelError> {
     let layout = &parts.layout;
     require_length!(parts.features.len(), layout.features as usize, Feature);
     let mut features = parts.features;
@@ -269,8 +269,8 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
         features = rest;
     }
     require_length!(parts.covariates.len(), layout.covariates as usize, Covariate);
-    require_length!(parts.explained.len(), layout.explained(), Covariate);
-    require!(all_within(parts.explained.as_flattened(), -LARGEST, LARGEST), Covariate);
+    require_length!(parts.covariate_map.len(), layout.covariate_map_len(), Covariate);
+    require!(all_within(parts.covariate_map.as_flattened(), -LARGEST, LARGEST), Covariate);
     let mut covariates = parts.covariates;
     while let [Covariate { feature, centre, low, high, usual }, rest @ ..] = covariates {
         require!(feature.exists(layout), Covariate);
@@ -297,7 +297,7 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
     Ok(())
 }
 
-const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
+const fn check_novelty(parts: &ModelView<'_>) -> Result<(), ModelError> {
     let layout = &parts.layout;
     require_length!(parts.novelty_mean.len(), layout.coordinates as usize, HealthyDensity);
     require_length!(parts.novelty_factor.len(), layout.density(), HealthyDensity);
@@ -345,11 +345,11 @@ const fn are_rises(rises: &[Rise]) -> bool {
 }
 
 /// Directions are those of the healthy class.
-const fn check_directions(parts: &Parts<'_>) -> Result<(), ModelError> {
+const fn check_directions(parts: &ModelView<'_>) -> Result<(), ModelError> {
     let layout = &parts.layout;
     require_length!(parts.directions.len(), layout.directions as usize, Direction);
     require!(layout.directions == 0 || parts.healthy.is_some(), Direction);
-    let RunParts { usual_segments, margin, .. } = parts.runs;
+    let RunsView { usual_segments, margin, .. } = parts.runs;
     require!(layout.directions == 0 || (usual_segments >= 1.0 && usual_segments <= 1e6), Direction);
     // A run at the cap must not reach the limit.
     require!(layout.directions == 0 || parts.evidence.cap < parts.evidence.limit, Evidence);

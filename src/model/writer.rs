@@ -121,7 +121,7 @@ fn write_shaft<P: Plan>(writer: &mut Writer<impl Sink>, shaft: &ShaftConstants<P
     writer.floats(&[balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s])?;
     writer.floats(&[balance.usual_velocity_rad_s, balance.usual_load_nm])?;
     writer.floats(&[balance.row_spread, balance.deviation])?;
-    writer.bytes(&balance.own_from_rows.to_le_bytes())?;
+    writer.bytes(&balance.adapt_after_rows.to_le_bytes())?;
     writer.floats(&balance.scale)?;
     writer.floats(&balance.nominal)?;
     writer.floats(&balance.prior)?;

@@ -131,7 +131,7 @@ impl Bounds {
         self.averages
     }
 
-    pub const fn explained(&self) -> usize {
+    pub const fn covariate_map_len(&self) -> usize {
         self.features * self.covariates
     }
 

@@ -196,7 +196,7 @@ macro_rules! plan {
         type Averaged = $crate::plan::$size<{ $lengths.averages() }>;
         type Features = $crate::plan::$size<{ $lengths.features as usize }>;
         type Covariates = $crate::plan::$size<{ $lengths.covariates as usize }>;
-        type Explained = $crate::plan::$size<{ $lengths.explained() }>;
+        type CovariateMap = $crate::plan::$size<{ $lengths.covariate_map_len() }>;
         type Coordinates = $crate::plan::$size<{ $lengths.coordinates as usize }>;
         type Map = $crate::plan::$size<{ $lengths.map() }>;
         type Density = $crate::plan::$size<{ $lengths.density() }>;
@@ -231,7 +231,7 @@ macro_rules! plan {
             }
         }
     };
-    // The `Parts` of constants with this layout and these names. An array becomes a slice by the rule of the first
+    // The `ModelView` of constants with this layout and these names. An array becomes a slice by the rule of the first
     // name:
     // `coerced` in a constant, where every length is known, and `viewed` by `Cells`.
     (@coerced $array:expr) => { &$array };
@@ -242,13 +242,13 @@ macro_rules! plan {
         let (novelty, discriminant) = (&classifier.novelty, &classifier.discriminant);
         let regression: &[$crate::model::Regression<$plan>] = $crate::plan!(@$slice constants.regression);
         let shaft: &[$crate::model::ShaftConstants<$plan>] = $crate::plan!(@$slice constants.shaft);
-        $crate::model::Parts {
+        $crate::model::ModelView {
             layout: $layout,
             names: $names,
             sampling: &constants.sampling,
             channels: $crate::plan!(@$slice constants.channels),
             regression: match regression {
-                [regression, ..] => Some($crate::model::RegressionParts {
+                [regression, ..] => Some($crate::model::RegressionView {
                     scale: $crate::plan!(@$slice regression.scale),
                     nominal: $crate::plan!(@$slice regression.nominal),
                     forgetting: regression.forgetting,
@@ -259,7 +259,7 @@ macro_rules! plan {
                 [] => None,
             },
             shaft: match shaft {
-                [shaft, ..] => Some($crate::model::ShaftParts {
+                [shaft, ..] => Some($crate::model::ShaftView {
                     lags: shaft.lags,
                     balance: &shaft.balance,
                     orders: $crate::plan!(@$slice shaft.tracking.orders),
@@ -269,7 +269,7 @@ macro_rules! plan {
             },
             features: $crate::plan!(@$slice classifier.features),
             covariates: $crate::plan!(@$slice classifier.covariates.list),
-            explained: $crate::plan!(@$slice classifier.covariates.map),
+            covariate_map: $crate::plan!(@$slice classifier.covariates.map),
             map: $crate::plan!(@$slice classifier.projection.matrix),
             feature_means: $crate::plan!(@$slice classifier.projection.mean),
             usual: $crate::plan!(@$slice classifier.projection.usual),
@@ -288,7 +288,7 @@ macro_rules! plan {
             acceptable: novelty.acceptable,
             limit: novelty.limit,
             directions: $crate::plan!(@$slice novelty.directions.list),
-            runs: $crate::model::RunParts {
+            runs: $crate::model::RunsView {
                 usual_segments: novelty.directions.usual_segments,
                 margin: novelty.directions.margin,
                 most_runs: novelty.directions.most_runs,

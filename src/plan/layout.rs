@@ -48,17 +48,17 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Signal {
-    /// Place of the channel in the sample.
+    /// Index of the channel in the sample.
     pub channel: u8,
-    /// Place of the channel that is subtracted.
+    /// Index of the channel that is subtracted.
     pub minus: Option<u8>,
 }
 
 impl Signal {
-    /// A channel by its place.
+    /// A channel by its index.
     #[must_use]
-    pub const fn channel(place: u8) -> Self {
-        Self { channel: place, minus: None }
+    pub const fn channel(index: u8) -> Self {
+        Self { channel: index, minus: None }
     }
 
     /// The difference of two channels.
@@ -67,7 +67,7 @@ impl Signal {
         Self { channel: self.channel, minus: Some(other.channel) }
     }
 
-    /// The channels of this signal as a bit mask, bit k for place k.
+    /// The channels of this signal as a bit mask, bit k for index k.
     #[inline(always)]
     #[must_use]
     pub const fn mask(self) -> u16 {
@@ -183,8 +183,8 @@ const fn mask(signal: Option<Signal>) -> u16 {
 }
 
 #[inline(always)]
-const fn bit(place: u8) -> u16 {
-    if place < 16 { 1 << place } else { 0 }
+const fn bit(index: u8) -> u16 {
+    if index < 16 { 1 << index } else { 0 }
 }
 
 impl Layout {

@@ -166,7 +166,7 @@ impl Layout {
     /// F V.
     #[inline]
     #[must_use]
-    pub const fn explained(&self) -> usize {
+    pub const fn covariate_map_len(&self) -> usize {
         self.features as usize * self.covariates as usize
     }
 

@@ -57,7 +57,7 @@ pub trait Signals: Clone + PartialEq + Printable {
     /// The sample of these values of the channels, in their order; 0 where there is none.
     fn of(values: &[f32], angle: Angle) -> Self;
 
-    /// The value of a channel by its place; 0 beyond the last.
+    /// The value of a channel by its index; 0 beyond the last.
     fn value(&self, channel: usize) -> f32;
 
     /// The angle of the shaft; zero in a plan that tracks no bearing orders and has a channel of the velocity.
@@ -103,7 +103,7 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     /// V, the number of covariates.
     type Covariates: Size;
     /// F V.
-    type Explained: Size;
+    type CovariateMap: Size;
     /// Z, the number of coordinates.
     type Coordinates: Size;
     /// Z F.

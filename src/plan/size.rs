@@ -15,7 +15,7 @@ impl<T: Clone + PartialEq + Printable> Item for T {}
 pub trait Cells<T>: Clone + PartialEq + Printable {
     /// Whether kernels for each length are worth their flash. Where the length is known at run time only, none of them
     /// can be left out.
-    const STRAIGHT: bool = true;
+    const UNROLL: bool = true;
 
     /// `length` elements; an array has its own length and ignores the argument.
     fn from_fn(length: usize, element: impl FnMut(usize) -> T) -> Self;
@@ -217,7 +217,7 @@ impl<const N: usize> Presence for Bounded<N> {
 
 #[cfg(any(test, feature = "bounded"))]
 impl<T: Item, const N: usize> Cells<T> for heapless::Vec<T, N> {
-    const STRAIGHT: bool = false;
+    const UNROLL: bool = false;
 
     fn from_fn(length: usize, element: impl FnMut(usize) -> T) -> Self {
         first((0..length).map(element))

@@ -1,13 +1,13 @@
 //! Reasons as numbers, those of the C interface, and back.
 
-use super::kernel::Kernel;
+use super::kernel::ArithmeticFault;
 use super::{FrictionTerm, Implausible, Obstacle, Part, Reason};
 
 /// A reason as numbers: its kind, its part, parameter, term, channel, covariate, error or kernel, and its rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReasonCode {
     pub kind: u8,
-    pub place: u8,
+    pub index: u8,
     pub rows: u32,
 }
 
@@ -23,9 +23,9 @@ const fn part_code(part: Part) -> u8 {
     }
 }
 
-/// The place of a value among all, 255 if it is none of them.
+/// The index of a value among all, 255 if it is none of them.
 fn place_in<T: PartialEq, const N: usize>(all: [T; N], value: &T) -> u8 {
-    (0_u8..).zip(all).find(|(_, other)| other == value).map_or(u8::MAX, |(place, _)| place)
+    (0_u8..).zip(all).find(|(_, other)| other == value).map_or(u8::MAX, |(index, _)| index)
 }
 
 impl Reason {
@@ -33,12 +33,12 @@ impl Reason {
     pub(crate) const KINDS: usize = 17;
 
     pub(crate) fn code(self) -> ReasonCode {
-        let of = |kind, place| ReasonCode { kind, place, rows: 0 };
+        let of = |kind, index| ReasonCode { kind, index, rows: 0 };
         match self {
             Self::TooFewRows { part, rows } => ReasonCode { rows, ..of(1, part_code(part)) },
             Self::ShortSegment { rows } => ReasonCode { rows, ..of(2, 0) },
             Self::AtRest => of(3, 0),
-            Self::ParameterNotExcited(place) => of(4, place),
+            Self::ParameterNotExcited(index) => of(4, index),
             Self::TermNotExcited(term) => of(5, place_in(FrictionTerm::ALL, &term)),
             Self::WeakInstruments(part) => of(6, part_code(part)),
             Self::Stuck { channel } => of(7, channel),
@@ -47,7 +47,7 @@ impl Reason {
             Self::NotFinite(part) => of(10, part_code(part)),
             // 11 is a reason that an older build does not know.
             Self::Implausible(error) => of(12, place_in(Implausible::ALL, &error)),
-            Self::Arithmetic(kernel) => of(13, place_in(Kernel::ALL, &kernel)),
+            Self::Arithmetic(kernel) => of(13, place_in(ArithmeticFault::ALL, &kernel)),
             Self::OtherModel => of(14, 0),
             Self::FoundLate => of(15, 0),
             Self::Unseen(obstacle) => of(16, place_in(Obstacle::ALL, &obstacle)),
@@ -58,24 +58,24 @@ impl Reason {
 impl ReasonCode {
     /// The reason; `None` for numbers that none has.
     pub fn reason(self) -> Option<Reason> {
-        let Self { kind, place, rows } = self;
-        let part = || PARTS.into_iter().find(|part| part_code(*part) == place);
+        let Self { kind, index, rows } = self;
+        let part = || PARTS.into_iter().find(|part| part_code(*part) == index);
         Some(match kind {
             1 => Reason::TooFewRows { part: part()?, rows },
             2 => Reason::ShortSegment { rows },
             3 => Reason::AtRest,
-            4 => Reason::ParameterNotExcited(place),
-            5 => Reason::TermNotExcited(*FrictionTerm::ALL.get(place as usize)?),
+            4 => Reason::ParameterNotExcited(index),
+            5 => Reason::TermNotExcited(*FrictionTerm::ALL.get(index as usize)?),
             6 => Reason::WeakInstruments(part()?),
-            7 => Reason::Stuck { channel: place },
-            8 => Reason::LostSamples { channel: place },
-            9 => Reason::OutOfRange { covariate: place },
+            7 => Reason::Stuck { channel: index },
+            8 => Reason::LostSamples { channel: index },
+            9 => Reason::OutOfRange { covariate: index },
             10 => Reason::NotFinite(part()?),
-            12 => Reason::Implausible(*Implausible::ALL.get(place as usize)?),
-            13 => Reason::Arithmetic(*Kernel::ALL.get(place as usize)?),
+            12 => Reason::Implausible(*Implausible::ALL.get(index as usize)?),
+            13 => Reason::Arithmetic(*ArithmeticFault::ALL.get(index as usize)?),
             14 => Reason::OtherModel,
             15 => Reason::FoundLate,
-            16 => Reason::Unseen(*Obstacle::ALL.get(place as usize)?),
+            16 => Reason::Unseen(*Obstacle::ALL.get(index as usize)?),
             _ => return None,
         })
     }
@@ -119,13 +119,13 @@ mod tests {
             Implausible::Wiring,
         ];
         let kernels = [
-            Kernel::Rounding,
-            Kernel::Subnormals,
-            Kernel::Functions,
-            Kernel::Transforms,
-            Kernel::Decimation,
-            Kernel::Factor,
-            Kernel::Solution,
+            ArithmeticFault::Rounding,
+            ArithmeticFault::Subnormals,
+            ArithmeticFault::Functions,
+            ArithmeticFault::Transforms,
+            ArithmeticFault::Decimation,
+            ArithmeticFault::Factor,
+            ArithmeticFault::Solution,
         ];
         let mut table = Vec::from([
             (Reason::ShortSegment { rows: 7 }, [2, 0], 7),
@@ -139,21 +139,21 @@ mod tests {
             (Reason::Unseen(Obstacle::TooLittleMotion), [16, 0], 0),
             (Reason::Unseen(Obstacle::TooNoisy), [16, 1], 0),
         ]);
-        for (part, place) in parts {
-            table.push((Reason::TooFewRows { part, rows: 1_000_000 }, [1, place], 1_000_000));
-            table.push((Reason::WeakInstruments(part), [6, place], 0));
-            table.push((Reason::NotFinite(part), [10, place], 0));
+        for (part, index) in parts {
+            table.push((Reason::TooFewRows { part, rows: 1_000_000 }, [1, index], 1_000_000));
+            table.push((Reason::WeakInstruments(part), [6, index], 0));
+            table.push((Reason::NotFinite(part), [10, index], 0));
         }
-        table.extend((0..).zip(terms).map(|(place, term)| (Reason::TermNotExcited(term), [5, place], 0)));
-        table.extend((0..).zip(errors).map(|(place, error)| (Reason::Implausible(error), [12, place], 0)));
-        table.extend((0..).zip(kernels).map(|(place, kernel)| (Reason::Arithmetic(kernel), [13, place], 0)));
+        table.extend((0..).zip(terms).map(|(index, term)| (Reason::TermNotExcited(term), [5, index], 0)));
+        table.extend((0..).zip(errors).map(|(index, error)| (Reason::Implausible(error), [12, index], 0)));
+        table.extend((0..).zip(kernels).map(|(index, kernel)| (Reason::Arithmetic(kernel), [13, index], 0)));
         table
     }
 
     #[test]
     fn every_reason_has_its_published_number_and_comes_back() {
-        for (reason, [kind, place], rows) in published() {
-            let code = ReasonCode { kind, place, rows };
+        for (reason, [kind, index], rows) in published() {
+            let code = ReasonCode { kind, index, rows };
             assert_eq!((reason.code(), code.reason()), (code, Some(reason)));
             assert!(usize::from(kind) < Reason::KINDS);
         }
@@ -162,8 +162,8 @@ mod tests {
     #[test]
     fn numbers_without_a_meaning_are_refused() {
         let refused = [(0, 0), (11, 0), (16, 2), (17, 0), (1, 0), (1, 5), (5, 8), (12, 17), (13, 7)];
-        for (kind, place) in refused {
-            assert_eq!(ReasonCode { kind, place, rows: 0 }.reason(), None, "{kind} {place}");
+        for (kind, index) in refused {
+            assert_eq!(ReasonCode { kind, index, rows: 0 }.reason(), None, "{kind} {index}");
         }
     }
 }

@@ -3,7 +3,7 @@
 /// A part of the core's arithmetic, in the order of the test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Kernel {
+pub enum ArithmeticFault {
     /// Sums and products are not rounded to nearest, ties to even.
     Rounding,
     /// Numbers below 1.2e-38 are flushed to zero (FPSCR.FZ on Arm).
@@ -20,7 +20,7 @@ pub enum Kernel {
     Solution,
 }
 
-impl Kernel {
+impl ArithmeticFault {
     /// All parts, in the order of the test.
     pub const ALL: [Self; 7] = [
         Self::Rounding,

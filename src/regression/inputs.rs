@@ -30,7 +30,7 @@ impl Inputs {
 /// What a solve needs to know of the rows.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Frame<P: Plan> {
+pub struct Reference<P: Plan> {
     /// Values that are subtracted from the levels of y, u1, u2.
     pub origin: [f32; 3],
     /// δ-parameters whose prediction is subtracted from the target column; zeros if it contains Δy itself.
@@ -40,7 +40,7 @@ pub struct Frame<P: Plan> {
     pub gain: f32,
 }
 
-impl<P: Plan> Frame<P> {
+impl<P: Plan> Reference<P> {
     /// By least squares, of levels from zero.
     #[inline(always)]
     #[must_use]

@@ -31,7 +31,7 @@
 use super::auxiliary::Auxiliary;
 use super::constants::Regression;
 use super::delays::Delays;
-use super::inputs::{Frame, Inputs, carry_on, dot};
+use super::inputs::{Inputs, Reference, carry_on, dot};
 use crate::plan::{Array, Cells, MAX_OUTPUT_TERMS, Memory, Plan, RegressionLayout, Structure, filter_cells};
 use crate::regression::factor::Row;
 use crate::unroll::unrolled;
@@ -152,7 +152,7 @@ impl<P: Plan> Instruments<P> {
     }
 
     #[inline(always)]
-    pub(super) fn frame(&self, plan: P) -> Frame<P> {
+    pub(super) fn frame(&self, plan: P) -> Reference<P> {
         let theta = &self.auxiliary.now;
         let mut base = Array::<P::Parameters, f32>::from_fn(theta.cells().len(), |_| 0.0);
         if let Some(RegressionLayout { structure, memory, .. }) = plan.layout().regression
@@ -163,7 +163,7 @@ impl<P: Plan> Instruments<P> {
             constant.for_each(|cell| *cell = self.constant);
         }
         let gain = theta.cells().first().map_or(0.0, |t| t.abs());
-        Frame { origin: self.origin, base, gain }
+        Reference { origin: self.origin, base, gain }
     }
 
     /// Counts a sample that only fills the delays; with the last of them all filters start, at rest on it.
@@ -184,8 +184,8 @@ impl<P: Plan> Instruments<P> {
         let ([y, u1, u2], [y0, u1_0, u2_0]) = (levels, self.origin);
         let [x_level, u1_level, u2_level] = levels_of(structure);
         self.y.first_mut().into_iter().for_each(|level| *level = y - y0);
-        for (place, value) in [(x_level, y - y0), (u1_level, u1 - u1_0), (u2_level, u2 - u2_0)] {
-            if let Some(level) = place.and_then(|place| self.cells.cells_mut().get_mut(place)) {
+        for (index, value) in [(x_level, y - y0), (u1_level, u1 - u1_0), (u2_level, u2 - u2_0)] {
+            if let Some(level) = index.and_then(|index| self.cells.cells_mut().get_mut(index)) {
                 *level = value;
             }
         }
@@ -207,7 +207,7 @@ impl<P: Plan> Instruments<P> {
         let Structure { na, nb, nc, offset, .. } = structure;
         let (na, nb) = (na as usize, nb as usize);
         let theta = self.auxiliary.now.cells();
-        let gain = |used: bool, place: usize| if used { theta.get(place).copied().unwrap_or(0.0) } else { 0.0 };
+        let gain = |used: bool, index: usize| if used { theta.get(index).copied().unwrap_or(0.0) } else { 0.0 };
         let [y0, u1_0, u2_0] = self.origin;
         let constant = gain(offset, structure.terms());
         let second = na.saturating_add(nb);
@@ -221,11 +221,11 @@ impl<P: Plan> Instruments<P> {
         let cells = self.cells.cells_mut();
         let level = self.y.first_mut().map_or(0.0, core::mem::take);
         *y0 += level;
-        if let Some(x) = x_level.and_then(|place| cells.get_mut(place)) {
+        if let Some(x) = x_level.and_then(|index| cells.get_mut(index)) {
             *x -= level;
         }
-        for (place, origin) in [(u1_level, u1_0), (u2_level, u2_0)] {
-            if let Some(level) = place.and_then(|place| cells.get_mut(place)) {
+        for (index, origin) in [(u1_level, u1_0), (u2_level, u2_0)] {
+            if let Some(level) = index.and_then(|index| cells.get_mut(index)) {
                 *origin += core::mem::take(level);
             }
         }

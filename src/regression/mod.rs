@@ -15,5 +15,5 @@ mod rows;
 mod squares;
 
 pub use constants::Regression;
-pub use inputs::{Frame, Inputs};
+pub use inputs::{Inputs, Reference};
 pub use rows::Rows;

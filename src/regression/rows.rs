@@ -2,7 +2,7 @@
 
 use super::constants::Regression;
 use super::factor::Row;
-use super::inputs::{Frame, Inputs};
+use super::inputs::{Inputs, Reference};
 use super::instruments::{self, Instruments};
 use super::squares::Squares;
 use crate::plan::{Array, Cells, Layout, Method, Plan, Presence};
@@ -72,12 +72,12 @@ impl<P: Plan> Rows<P> {
     /// What a solve needs to know of the rows.
     #[inline(always)]
     #[must_use]
-    pub fn frame(&self, plan: P) -> Frame<P> {
+    pub fn frame(&self, plan: P) -> Reference<P> {
         match (self.squares.part(), self.instruments.part()) {
             (_, Some(instruments)) => instruments.frame(plan),
             (squares, None) => {
                 let origin = squares.map_or([0.0; 3], |squares| squares.origin);
-                Frame { origin, ..Frame::of_zeros(plan) }
+                Reference { origin, ..Reference::of_zeros(plan) }
             }
         }
     }

@@ -37,7 +37,7 @@ pub use balance::{Friction, Parameter};
 pub use orders::{Bearing, OrderStrength};
 pub use state::ShaftEstimate;
 
-pub(crate) use balance::{Balance, LEAST_FROM_ROWS, StateVariable};
+pub(crate) use balance::{LEAST_FROM_ROWS, StateVariable, TorqueBalance};
 pub(crate) use delays::{Lags, MAX_LAG};
 pub(crate) use orders::{Blocks, MAX_BLOCKS, TrackedOrder, least_steps};
 pub(crate) use solve::ShaftSolve;

@@ -31,7 +31,7 @@
 //! Of an angle that never changes and a velocity made of it (6), the balance explains the mean of the current and what
 //! follows the load; a shaft that is held against a load that is not measured looks alike, and has no verdict either.
 //! A step is a change of the angle's motion from one sample to the next beyond
-//! [`Balance::largest_change_rad`](super::balance::Balance), and beyond twice that by which the present current moves
+//! [`TorqueBalance::largest_change_rad`](super::balance::TorqueBalance), and beyond twice that by which the present current moves
 //! the inertia: its sample is refused, and many of them are rows that are lost (7).
 //!
 //! Not found are a wrong sign without a load if the load that was not measured explains the current of training better
@@ -39,7 +39,7 @@
 //! model spread; wrong signals of a shaft at constant speed under constant load; wrong scales without a measured load,
 //! except by (3); and wrong signals of a plan without a shaft.
 
-use super::balance::{Balance, Friction, Parameter, TERMS};
+use super::balance::{Friction, Parameter, TERMS, TorqueBalance};
 use crate::reason::Implausible::{
     self, AngleSteps, Current, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign,
     VelocityScale, VelocitySign,
@@ -72,7 +72,7 @@ pub(super) struct Usage {
     pub(super) moved: u32,
 }
 
-/// The result of (2) for a parameter; a place in [`CAUSES`].
+/// The result of (2) for a parameter; an index of [`CAUSES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fit {
     /// Within 1/√2 … √2 with its error.
@@ -144,14 +144,14 @@ pub fn of_motion(travel: &TravelSums, interval_s: f32, usage: &Usage) -> Option<
 }
 
 /// Whether the current changes while the angle does not (6).
-pub fn is_stuck(balance: &Balance, friction: &Friction, usage: &Usage) -> bool {
+pub fn is_stuck(balance: &TorqueBalance, friction: &Friction, usage: &Usage) -> bool {
     let alive = ALIVE * balance.deviation;
     usage.used > 0 && usage.moved == 0 && friction.variance > alive * alive
 }
 
 /// What is wrong with the signals of a torque balance; `explained` is E/R.
 #[inline(never)]
-pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Option<Implausible> {
+pub fn of_balance(balance: &TorqueBalance, friction: &Friction, explained: f32) -> Option<Implausible> {
     let unusual = UNUSUAL * balance.deviation;
     let left = 1.0 - balance.row_spread * TERMS as f32 / friction.rows as f32;
     let loaded = friction.inverse_torque_constant.is_some();
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn an_angle_that_stands_and_many_steps_are_refused() {
-        let balance = Balance { deviation: 1.0, ..crate::shaft::state::tests::balance() };
+        let balance = TorqueBalance { deviation: 1.0, ..crate::shaft::state::tests::balance() };
         let stuck = |variance, moved, used| {
             is_stuck(
                 &balance,
@@ -267,7 +267,7 @@ mod tests {
     }
 
     fn names_the_signal(deviation: f32) {
-        let balance = Balance {
+        let balance = TorqueBalance {
             nominal: [2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
             prior: [0.2; 7],
             deviation,
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_current_that_nothing_explains_is_refused_if_the_residual_is_unusual() {
-        let balance = Balance { deviation: 1.0, ..crate::shaft::state::tests::balance() };
+        let balance = TorqueBalance { deviation: 1.0, ..crate::shaft::state::tests::balance() };
         let load = Some(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0 });
         let cause = |variance, explained, inverse_torque_constant| {
             let friction = Friction { variance, inverse_torque_constant, rows: 1_000_000, ..Friction::default() };
@@ -301,7 +301,7 @@ mod tests {
         assert_eq!([cause(26.0, 0.9, load), cause(24.0, 0.9, load), cause(26.0, 1.1, load)], [true, false, false]);
         assert!(!cause(26.0, 0.9, None), "the load may be most of the current");
         // Seven terms fit half of fourteen independent rows by chance.
-        let balance = Balance { row_spread: 1.0, ..balance };
+        let balance = TorqueBalance { row_spread: 1.0, ..balance };
         let cause = |explained| {
             let friction = Friction { variance: 26.0, rows: 14, inverse_torque_constant: load, ..Friction::default() };
             of_balance(&balance, &friction, explained) == Some(Current)

@@ -21,7 +21,7 @@ pub struct ShaftSolve {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Step {
     /// Solve the torque balance.
-    Balance,
+    TorqueBalance,
     /// Compute the covariance of its parameters.
     Covariance,
     /// Compute the friction with its deviations.
@@ -43,7 +43,7 @@ impl ShaftSolve {
     /// Nothing solved yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { next: Step::Balance, estimated: Estimated::NONE, noise: NoiseLine::NONE }
+        Self { next: Step::TorqueBalance, estimated: Estimated::NONE, noise: NoiseLine::NONE }
     }
 
     /// Does the next step; `true` once the estimate is complete. Friction and orders do not depend on each other: at
@@ -60,7 +60,7 @@ impl ShaftSolve {
     ) -> bool {
         let load = plan.layout().shaft.is_some_and(|layout| layout.load.is_some());
         self.next = match self.next {
-            Step::Balance => {
+            Step::TorqueBalance => {
                 if let Some(reason) = short(sums, estimate) {
                     (estimate.friction_reason, estimate.orders_reason) = (Some(reason), Some(reason));
                     return true;

@@ -2,7 +2,7 @@
 
 use core::f32::consts::TAU;
 
-use super::balance::{Balance, BalanceState, BalanceSums, Friction, Torques};
+use super::balance::{BalanceState, BalanceSums, Friction, TorqueBalance, Torques};
 use super::delays::{BEFORE, Delay, Delays, FILTERED_RING, Lags, RING, TAPS, half_band};
 use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking};
 use super::plausibility::{self, Usage};
@@ -12,7 +12,7 @@ use crate::signal::{Angle, Travel, TravelSums, read};
 
 /// A count of 2⁻³² turn, rad.
 const RAD_A_COUNT: f32 = TAU / 4_294_967_296.0;
-/// Velocity from which motion is compared with the angle, in units of [`Balance::sign_velocity_rad_s`], which is three
+/// Velocity from which motion is compared with the angle, in units of [`TorqueBalance::sign_velocity_rad_s`], which is three
 /// standard deviations of the velocity's noise: an offset of one deviation is then 1/12 of the velocity.
 const SLOWEST: f32 = 4.0;
 /// Lost samples in a row that are bridged.
@@ -25,7 +25,7 @@ pub struct ShaftConstants<P: Plan> {
     /// Lags of the signals.
     pub lags: Lags,
     /// The torque balance.
-    pub balance: Balance,
+    pub balance: TorqueBalance,
     /// The bearing orders.
     pub tracking: Tracking<P>,
 }
@@ -114,7 +114,7 @@ pub struct Shaft<P: Plan> {
     /// Of a filter's moments, the first [`BEFORE`] again behind the last, so that those that it reads are in a row.
     ring: Array<P::Moments, Moment>,
     /// Place of the last sample; an odd one is between two steps of a filter.
-    place: u8,
+    index: u8,
     /// The step whose orders are added at the next sample.
     taken: Option<Taken>,
     /// Steps until what is read of the ring is full and the filters have started.
@@ -184,7 +184,7 @@ impl<P: Plan> Shaft<P> {
     pub fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
         Self {
             ring: Cells::filled(plan.layout().moments(), Moment::default()),
-            place: 0,
+            index: 0,
             taken: None,
             filling: FILLING,
             lost: 0,
@@ -216,7 +216,7 @@ impl<P: Plan> Shaft<P> {
         };
         let ShaftLayout { current, velocity, load, .. } = layout;
         let last = self.back(0);
-        self.place = self.place.wrapping_add(1) % self.length();
+        self.index = self.index.wrapping_add(1) % self.length();
         let moment = if !good {
             self.lose(velocity.is_none());
             last
@@ -238,7 +238,7 @@ impl<P: Plan> Shaft<P> {
             let current_a = read(current, sample);
             Moment { torques: Torques { current_a, velocity_rad_s, load_nm }, angle: sample.angle() }
         };
-        if let Some(cell) = self.ring.cells_mut().get_mut(self.place as usize) {
+        if let Some(cell) = self.ring.cells_mut().get_mut(self.index as usize) {
             *cell = moment;
         }
         if layout.is_halved() {
@@ -255,11 +255,11 @@ impl<P: Plan> Shaft<P> {
     /// that the work is distributed.
     #[inline(always)]
     fn halved(&mut self, sums: &mut ShaftSums<P>, layout: ShaftLayout, constants: &ShaftConstants<P>, moment: Moment) {
-        if let Some(cell) = self.ring.cells_mut().get_mut(self.place.wrapping_add(FILTERED_RING) as usize) {
+        if let Some(cell) = self.ring.cells_mut().get_mut(self.index.wrapping_add(FILTERED_RING) as usize) {
             *cell = moment;
         }
         let tracking = &constants.tracking;
-        if self.place % 2 == 1 {
+        if self.index % 2 == 1 {
             if let Some(taken) = self.taken.take() {
                 self.orders.leave(&mut sums.orders, tracking, layout.harmonics, taken);
             }
@@ -394,8 +394,8 @@ impl<P: Plan> Shaft<P> {
 
     #[inline(always)]
     fn back(&self, samples: u8) -> Moment {
-        let place = self.place.wrapping_sub(samples) % self.length();
-        self.ring.cells().get(place as usize).copied().unwrap_or_default()
+        let index = self.index.wrapping_sub(samples) % self.length();
+        self.ring.cells().get(index as usize).copied().unwrap_or_default()
     }
 
     /// The signals at the instant of a step, each read back by its delay.
@@ -418,7 +418,7 @@ impl<P: Plan> Shaft<P> {
     /// The signal behind the half-band filter.
     #[inline(always)]
     fn filtered(&self, delay: Delay, pick: fn(&Moment) -> f32) -> f32 {
-        let oldest = self.place.wrapping_sub(delay.whole).wrapping_sub(BEFORE) % FILTERED_RING;
+        let oldest = self.index.wrapping_sub(delay.whole).wrapping_sub(BEFORE) % FILTERED_RING;
         let moments = self.ring.cells().get(oldest as usize..).and_then(<[Moment]>::first_chunk::<TAPS>);
         let Some([m7, m6, m5, m4, m3, m2, m1, m0]) = moments else { return 0.0 };
         let samples = [pick(m7), pick(m6), pick(m5), pick(m4), pick(m3), pick(m2), pick(m1), pick(m0)];
@@ -448,7 +448,7 @@ impl<P: Plan> Shaft<P> {
         self.balance.renew(&constants.balance);
         self.orders.renew();
         // The last sample is not trusted: one that is lost next would be replaced by it. Those before it are not read.
-        self.place = 0;
+        self.index = 0;
         if let Some(last) = self.ring.cells_mut().first_mut() {
             *last = Moment::default();
         }
@@ -464,12 +464,12 @@ fn counts(angle_rad: f32) -> u32 {
 }
 
 /// The interval of the samples, of which the shaft may take each second one.
-fn sample_interval_s(balance: &Balance, halved: bool) -> f32 {
+fn sample_interval_s(balance: &TorqueBalance, halved: bool) -> f32 {
     if halved { 0.5 * balance.interval_s } else { balance.interval_s }
 }
 
 /// Twice the change of the motion in a sample by which this current accelerates the nominal inertia, rad.
-fn accelerated_rad(balance: &Balance, halved: bool, current_a: f32) -> f32 {
+fn accelerated_rad(balance: &TorqueBalance, halved: bool, current_a: f32) -> f32 {
     let interval_s = sample_interval_s(balance, halved);
     2.0 * current_a * interval_s * interval_s / balance.nominal[0].abs()
 }

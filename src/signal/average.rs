@@ -45,7 +45,7 @@ pub struct Average {
 }
 
 impl Average {
-    /// Place of the channel in the sample.
+    /// Index of the channel in the sample.
     #[must_use]
     pub const fn channel(&self) -> u8 {
         self.channel

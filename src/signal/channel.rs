@@ -111,7 +111,7 @@ impl Channel {
 #[inline(always)]
 #[must_use]
 pub fn limit(channels: &impl Cells<Channel>, signal: Signal) -> f32 {
-    let limit = |place: u8| channels.cells().get(place as usize).map_or(0.0, |channel| channel.limit);
+    let limit = |index: u8| channels.cells().get(index as usize).map_or(0.0, |channel| channel.limit);
     limit(signal.channel) + signal.minus.map_or(0.0, limit)
 }
 

@@ -10,13 +10,13 @@
 use super::channel::Channel;
 use crate::plan::{Array, Cells, Plan, Signals};
 
-/// A set of channels by their places.
+/// A set of channels by their indices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ChannelSet(pub(crate) u16);
 
 impl ChannelSet {
-    /// Whether the channel at this place is in the set.
+    /// Whether the channel at this index is in the set.
     #[must_use]
     pub const fn contains(self, channel: usize) -> bool {
         channel < 16 && (self.0 >> channel) & 1 == 1
@@ -84,8 +84,8 @@ impl<P: Plan> Gate<P> {
         let (mut unused, mut stuck, mut bit) = (0, 0, 1_u16);
         let states = self.repeats.cells_mut().iter_mut();
         // In this order the count of places stays below a length, and needs no overflow check.
-        for ((place, channel), repeat) in channels.cells().iter().enumerate().zip(states) {
-            let x = sample.value(place);
+        for ((index, channel), repeat) in channels.cells().iter().enumerate().zip(states) {
+            let x = sample.value(index);
             // The saturation is at most the limit. Written so that NaN is refused.
             let good = x.abs() <= channel.saturation;
             unused |= if good { 0 } else { bit };
@@ -106,7 +106,7 @@ impl<P: Plan> Gate<P> {
     #[cold]
     #[inline(never)]
     fn count(&mut self, channels: &[Channel], sample: &P::Sample) {
-        let plausible = channels.iter().enumerate().all(|(place, c)| sample.value(place).abs() <= c.limit);
+        let plausible = channels.iter().enumerate().all(|(index, c)| sample.value(index).abs() <= c.limit);
         let count = if plausible { &mut self.counts.saturated } else { &mut self.counts.rejected };
         *count = count.saturating_add(1);
     }
@@ -185,10 +185,10 @@ mod tests {
     #[test]
     fn each_channel_is_stuck_by_itself() {
         let channels = CHANNELS.map(|channel| Channel { stuck_samples: 3, ..channel });
-        for (place, mask) in [(0, 1), (1, 2)] {
+        for (index, mask) in [(0, 1), (1, 2)] {
             let mut gate = Gate::new(Two);
             let refused = [1.0, 2.0, 3.0].map(|x| {
-                let sample = if place == 0 { Pair { y: 7.0, u: x } } else { Pair { y: x, u: 7.0 } };
+                let sample = if index == 0 { Pair { y: 7.0, u: x } } else { Pair { y: x, u: 7.0 } };
                 gate.refused(&channels, &sample)
             });
             assert_eq!((refused, gate.counts.stuck), ([0, 0, mask], ChannelSet(mask)));

@@ -30,7 +30,7 @@ pub use angle::{Angle, SinCos};
 pub use average::Average;
 pub use block_mean::BlockMean;
 pub use channel::{Channel, Label, Name, limit, read};
-pub use counts_per_turn::CountsPerTurn;
+pub use counts_per_turn::EncoderCounts;
 pub use frame::{Abc, AlphaBeta, Dq0, Park};
 pub use gate::{ChannelSet, Counts, Gate};
 pub use liveness::{Liveness, LivenessLimits, Stage};

@@ -184,9 +184,9 @@ mod tests {
     fn a_block_of_another_model_or_version_is_refused() {
         let (key, good) = signed(1, 5);
         let trust = Trust { keys: &[key], least_counter: 0 };
-        let at = |place: usize, byte: u8| {
+        let at = |index: usize, byte: u8| {
             let mut bytes = good.clone();
-            bytes[RECORD.len() + place] = byte;
+            bytes[RECORD.len() + index] = byte;
             trust.verify(&bytes).err()
         };
         assert_eq!(at(4, 2), Some(SignatureError::Version { given: 2, supported: 1 }));

@@ -171,10 +171,10 @@ mod tests {
         assert_eq!(Record::from_bytes(&bytes, RecordKind::State), Some(RECORD));
         assert_eq!(Record::from_bytes(&bytes, RecordKind::Model), None);
         assert_eq!(Record::from_bytes(&bytes[..HEADER - 1], RecordKind::State), None);
-        for place in 0..HEADER * 8 {
+        for index in 0..HEADER * 8 {
             let mut other = bytes;
-            other[place / 8] ^= 1 << (place % 8);
-            assert_eq!(Record::from_bytes(&other, RecordKind::State), None, "bit {place}");
+            other[index / 8] ^= 1 << (index % 8);
+            assert_eq!(Record::from_bytes(&other, RecordKind::State), None, "bit {index}");
         }
     }
 

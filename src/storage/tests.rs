@@ -36,8 +36,8 @@ fn loaded(flash: &mut Flash, pair: &SlotPair<64>) -> Option<(u8, usize, u32, Opt
 }
 
 /// Clears a word of a slot.
-fn damage(flash: &mut Flash, second: bool, place: u32) {
-    flash.write(2 * SLOT + if second { SLOT } else { 0 } + place, &[0; 4]).unwrap();
+fn damage(flash: &mut Flash, second: bool, index: u32) {
+    flash.write(2 * SLOT + if second { SLOT } else { 0 } + index, &[0; 4]).unwrap();
 }
 
 #[test]
@@ -58,16 +58,16 @@ fn the_newest_record_serves_and_each_store_replaces_the_older_one() {
 #[test]
 fn a_damaged_newer_record_is_told_with_its_number() {
     // In the payload, at its last bytes, and in the header.
-    for (place, passed_over) in
+    for (index, passed_over) in
         [(80, PassedOver::Damaged { counter: 2 }), (180, PassedOver::Damaged { counter: 2 }), (8, PassedOver::Unknown)]
     {
         let (mut flash, pair) = two();
-        damage(&mut flash, true, place);
-        assert_eq!(loaded(&mut flash, &pair), Some((1, 101, 1, Some(passed_over))), "{place}");
+        damage(&mut flash, true, index);
+        assert_eq!(loaded(&mut flash, &pair), Some((1, 101, 1, Some(passed_over))), "{index}");
         assert_eq!(pair.newest(&mut flash).unwrap().and_then(|record| record.passed_over()), Some(passed_over));
         // The next store replaces the damaged one, and nothing is passed over.
         pair.store(&mut flash, &LABEL, &[3; 9]).unwrap();
-        assert_eq!(loaded(&mut flash, &pair), Some((3, 9, 2, None)), "{place}");
+        assert_eq!(loaded(&mut flash, &pair), Some((3, 9, 2, None)), "{index}");
     }
     // An older one that is damaged hides nothing.
     let (mut flash, pair) = two();

@@ -54,7 +54,7 @@
 
 mod signal;
 
-pub use signal::Signal;
+pub use signal::CanSignal;
 
 use crate::alarm::evidence::{Cause, Evidence};
 use crate::model::Model;
@@ -62,19 +62,19 @@ use crate::plan::Plan;
 use crate::reason::{Reason, ReasonCode};
 use crate::report::{Report, Verdict};
 
-const SEGMENT: Signal = Signal::of("Segment", 0, 8, "Number of the segment, which wraps");
-const VERDICT: Signal = Signal::of("Verdict", 8, 8, "Class of the segment, or why there is none");
-const REASON: Signal = Signal::of("Reason", 16, 5, "Why the verdict is undetermined");
-const UNDETERMINED: Signal = Signal::of("Undetermined", 21, 3, "Number of undetermined segments, which wraps");
-const PLACE: Signal =
-    Signal::of("Place", 24, 8, "Part, parameter, term, channel, covariate, error or kernel of the reason");
-const ALARM: Signal = Signal::of("Alarm", 32, 8, "Cause of the alarm that stands");
-const DEVIATIONS: Signal =
-    Signal::of("Deviations", 40, 8, "By how much the coordinate of the alarm has risen").in_steps(0.25, "sd");
-const USABLE: Signal =
-    Signal::of("Usable", 48, 7, "Share of the samples of the segment that are usable rows").in_steps(1.0, "%");
-const SILENT: Signal = Signal::of("Silent", 55, 1, "No segment has had a verdict for too long");
-const DISTANCE: Signal = Signal::of("Distance", 56, 8, "Distance from the healthy class").in_steps(0.25, "sd");
+const SEGMENT: CanSignal = CanSignal::of("Segment", 0, 8, "Number of the segment, which wraps");
+const VERDICT: CanSignal = CanSignal::of("Verdict", 8, 8, "Class of the segment, or why there is none");
+const REASON: CanSignal = CanSignal::of("Reason", 16, 5, "Why the verdict is undetermined");
+const UNDETERMINED: CanSignal = CanSignal::of("Undetermined", 21, 3, "Number of undetermined segments, which wraps");
+const PLACE: CanSignal =
+    CanSignal::of("Place", 24, 8, "Part, parameter, term, channel, covariate, error or kernel of the reason");
+const ALARM: CanSignal = CanSignal::of("Alarm", 32, 8, "Cause of the alarm that stands");
+const DEVIATIONS: CanSignal =
+    CanSignal::of("Deviations", 40, 8, "By how much the coordinate of the alarm has risen").in_steps(0.25, "sd");
+const USABLE: CanSignal =
+    CanSignal::of("Usable", 48, 7, "Share of the samples of the segment that are usable rows").in_steps(1.0, "%");
+const SILENT: CanSignal = CanSignal::of("Silent", 55, 1, "No segment has had a verdict for too long");
+const DISTANCE: CanSignal = CanSignal::of("Distance", 56, 8, "Distance from the healthy class").in_steps(0.25, "sd");
 
 const UNDECIDED: u8 = 0;
 const NOVEL: u8 = 1;
@@ -99,7 +99,7 @@ pub struct SegmentFrame {
 
 impl SegmentFrame {
     /// All signals, in the order of their bits.
-    pub const SIGNALS: [Signal; 10] =
+    pub const SIGNALS: [CanSignal; 10] =
         [SEGMENT, VERDICT, REASON, UNDETERMINED, PLACE, ALARM, DEVIATIONS, USABLE, SILENT, DISTANCE];
 
     /// The names of the numbers of the signal `Reason`; empty for those without a reason.
@@ -130,7 +130,7 @@ impl SegmentFrame {
         let (segment, undetermined) = evidence.segments();
         let reason = match report.verdict {
             Verdict::Undetermined(reason) => reason.code(),
-            _ => ReasonCode { kind: 0, place: 0, rows: 0 },
+            _ => ReasonCode { kind: 0, index: 0, rows: 0 },
         };
         let of_segment = model.constants().sampling.segment_samples.max(1) as f32;
         let deviations = evidence.main_contribution().map_or(0.0, |main| main.deviations);
@@ -139,7 +139,7 @@ impl SegmentFrame {
             Self::verdict_number(report.verdict),
             reason.kind,
             undetermined.to_le_bytes()[0],
-            reason.place,
+            reason.index,
             Self::alarm_number(evidence.alarm().map(|alarm| alarm.cause)),
             DEVIATIONS.steps(deviations),
             USABLE.steps(100.0 * report.rows as f32 / of_segment).min(WHOLE),
@@ -168,13 +168,13 @@ impl SegmentFrame {
         (fits && frame.number(&USABLE) <= WHOLE).then_some(frame)
     }
 
-    const fn number(self, signal: &Signal) -> u8 {
+    const fn number(self, signal: &CanSignal) -> u8 {
         signal.number(self.bits)
     }
 
     /// Why there is no verdict; `None` if there is one.
     fn reason(self) -> Option<Reason> {
-        ReasonCode { kind: self.number(&REASON), place: self.number(&PLACE), rows: 0 }.reason()
+        ReasonCode { kind: self.number(&REASON), index: self.number(&PLACE), rows: 0 }.reason()
     }
 
     /// The number of a verdict in the signal `Verdict`.
@@ -196,11 +196,11 @@ impl SegmentFrame {
             Some(Cause::Unknown) => UNKNOWN_CAUSE,
             Some(Cause::Class(class)) if class < FIRST_COORDINATE - FIRST_DEFECT => class.saturating_add(FIRST_DEFECT),
             Some(Cause::Class(_)) => FIRST_COORDINATE - 1,
-            Some(Cause::Coordinate(place)) if place < FIRST_FALLEN - FIRST_COORDINATE => {
-                place.saturating_add(FIRST_COORDINATE)
+            Some(Cause::Coordinate(index)) if index < FIRST_FALLEN - FIRST_COORDINATE => {
+                index.saturating_add(FIRST_COORDINATE)
             }
             Some(Cause::Coordinate(_)) => FIRST_FALLEN - 1,
-            Some(Cause::Fallen(place)) => place.saturating_add(FIRST_FALLEN),
+            Some(Cause::Fallen(index)) => index.saturating_add(FIRST_FALLEN),
         }
     }
 
@@ -234,8 +234,8 @@ impl SegmentFrame {
         match self.number(&ALARM) {
             NO_ALARM => None,
             UNKNOWN_CAUSE => Some(Cause::Unknown),
-            place @ FIRST_FALLEN.. => Some(Cause::Fallen(place.saturating_sub(FIRST_FALLEN))),
-            place @ FIRST_COORDINATE.. => Some(Cause::Coordinate(place.saturating_sub(FIRST_COORDINATE))),
+            index @ FIRST_FALLEN.. => Some(Cause::Fallen(index.saturating_sub(FIRST_FALLEN))),
+            index @ FIRST_COORDINATE.. => Some(Cause::Coordinate(index.saturating_sub(FIRST_COORDINATE))),
             class => Some(Cause::Class(class.saturating_sub(FIRST_DEFECT))),
         }
     }

@@ -13,7 +13,7 @@ pub struct VerdictCode {
     /// The class, or the number of the reason.
     detail: u8,
     /// Part, parameter, term, channel, covariate or error of the reason.
-    place: u8,
+    index: u8,
     /// Rows of the reason.
     #[serde(with = "postcard::fixint::le")]
     rows: u32,
@@ -21,27 +21,27 @@ pub struct VerdictCode {
 
 impl From<Verdict> for VerdictCode {
     fn from(verdict: Verdict) -> Self {
-        let plain = |verdict, detail| Self { verdict, detail, place: 0, rows: 0 };
+        let plain = |verdict, detail| Self { verdict, detail, index: 0, rows: 0 };
         let reason = match verdict {
             Verdict::Class(class) => return plain(0, class),
             Verdict::Novel => return plain(1, 0),
             Verdict::Ambiguous => return plain(2, 0),
             Verdict::Undetermined(reason) => reason,
         };
-        let ReasonCode { kind, place, rows } = reason.code();
-        Self { place, rows, ..plain(3, kind) }
+        let ReasonCode { kind, index, rows } = reason.code();
+        Self { index, rows, ..plain(3, kind) }
     }
 }
 
 impl VerdictCode {
     /// The verdict; `None` for numbers that none has.
     pub fn verdict(self) -> Option<Verdict> {
-        let Self { verdict, detail, place, rows } = self;
+        let Self { verdict, detail, index, rows } = self;
         match verdict {
             0 => Some(Verdict::Class(detail)),
             1 => Some(Verdict::Novel),
             2 => Some(Verdict::Ambiguous),
-            3 => ReasonCode { kind: detail, place, rows }.reason().map(Verdict::Undetermined),
+            3 => ReasonCode { kind: detail, index, rows }.reason().map(Verdict::Undetermined),
             _ => None,
         }
     }
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn numbers_without_a_meaning_are_refused() {
-        let code = |verdict, detail, place| VerdictCode { verdict, detail, place, rows: 0 }.verdict();
+        let code = |verdict, detail, index| VerdictCode { verdict, detail, index, rows: 0 }.verdict();
         assert_eq!([code(4, 0, 0), code(3, 0, 0), code(3, 11, 0)], [None; 3]);
         assert_eq!(AlarmCode { alarm: 5, cause: 0, segment: 0 }.alarm(), None);
     }

@@ -14,7 +14,7 @@ const GAP: u32 = 1024;
 /// What came over a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct LinkCounts {
+pub struct LinkStats {
     /// Frames that were right.
     pub frames: u32,
     /// Runs of bytes between zeros that are no frame: wrong framing, checksum or content.
@@ -53,7 +53,7 @@ impl Default for Order {
 
 impl Order {
     /// Takes a right frame with the checksum of its content; returns whether it is new.
-    pub fn take(&mut self, header: &Header, check: u32, counts: &mut LinkCounts) -> bool {
+    pub fn take(&mut self, header: &Header, check: u32, counts: &mut LinkStats) -> bool {
         let Header { stream, sequence, .. } = *header;
         let restarts =
             |(known, next): Place| header.kind == HELLO && known == stream && sequence < next.wrapping_sub(1);
@@ -115,7 +115,7 @@ mod tests {
     /// Which frames of a kind, a stream and a number are new, and what is counted: frames, lost, repeated; equal frames
     /// have equal checksums.
     fn taken(frames: &[(u8, u32, u32, u32)]) -> (Vec<bool>, [u32; 3]) {
-        let (mut order, mut counts) = (Order::default(), LinkCounts::default());
+        let (mut order, mut counts) = (Order::default(), LinkStats::default());
         let news = frames.iter().map(|(kind, stream, sequence, check)| {
             let header = Header { version: VERSION, kind: *kind, stream: *stream, sequence: *sequence };
             order.take(&header, *check, &mut counts)

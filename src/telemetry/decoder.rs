@@ -4,7 +4,7 @@ use core::fmt;
 
 use cobs::{DecodeResult, DecoderState};
 
-use super::counts::{LinkCounts, Order};
+use super::counts::{LinkStats, Order};
 use super::hello::Hello;
 use super::raw::RawBlock;
 use super::samples::Block;
@@ -54,7 +54,7 @@ pub struct Decoder<const N: usize> {
     /// Whether the content is longer than the buffer.
     oversize: bool,
     order: Order,
-    counts: LinkCounts,
+    counts: LinkStats,
 }
 
 impl<const N: usize> Default for Decoder<N> {
@@ -73,13 +73,13 @@ impl<const N: usize> Decoder<N> {
             used: 0,
             oversize: false,
             order: Order::default(),
-            counts: LinkCounts::default(),
+            counts: LinkStats::default(),
         }
     }
 
     /// What came so far.
     #[must_use]
-    pub const fn counts(&self) -> LinkCounts {
+    pub const fn counts(&self) -> LinkStats {
         self.counts
     }
 

@@ -92,8 +92,8 @@ pub(super) fn write<P: Plan>(model: &Model<P>, source: Source, sink: &mut Sink<'
         Writer(Buffer { free: &mut code, written: 0 }).feature(*feature).map_err(|_| TooSmall)?;
         sink.bytes(&code)?;
     }
-    for place in 0..layout.coordinates {
-        let feature = constants.classifier.projection.feature(place.into());
+    for index in 0..layout.coordinates {
+        let feature = constants.classifier.projection.feature(index.into());
         sink.bytes(&[feature.unwrap_or(COMBINATION)])?;
     }
     let shaft = constants.shaft.part();
@@ -131,7 +131,7 @@ impl<'a> Hello<'a> {
         let ends = texts.iter().fold(0_usize, |ends, byte| ends.saturating_add(usize::from(*byte == 0)));
         let wanted = 2 * usize::from(fields.channels) + usize::from(fields.classes);
         let whole = ends == wanted && texts.last().is_none_or(|byte| *byte == 0);
-        let named = coordinates.iter().all(|place| *place < fields.features || *place == COMBINATION);
+        let named = coordinates.iter().all(|index| *index < fields.features || *index == COMBINATION);
         let readable =
             whole && named && core::str::from_utf8(texts).is_ok() && hello.features().all(|feature| feature.is_some());
         readable.then_some(hello)
@@ -158,8 +158,8 @@ impl<'a> Hello<'a> {
         codes.iter().map(|code| Reader(code).feature().ok())
     }
 
-    /// The feature that each coordinate is, by its place; `None` for a combination.
+    /// The feature that each coordinate is, by its index; `None` for a combination.
     pub fn coordinates(&self) -> impl Iterator<Item = Option<u8>> + use<'a> {
-        self.coordinates.iter().map(|place| (*place != COMBINATION).then_some(*place))
+        self.coordinates.iter().map(|index| (*index != COMBINATION).then_some(*index))
     }
 }

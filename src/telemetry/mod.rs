@@ -98,8 +98,8 @@ mod samples;
 mod sink;
 mod summary;
 
-pub use can::{SegmentFrame, Signal};
-pub use counts::LinkCounts;
+pub use can::{CanSignal, SegmentFrame};
+pub use counts::LinkStats;
 pub use decoder::{Body, Decoder, Frame};
 pub use encoder::{Encoder, RawEncoder};
 pub use hello::{Hello, Source};

@@ -199,8 +199,8 @@ mod tests {
         let data: Vec<CanPiece> = pieces.cut(&frame).collect();
         assert_eq!((data.len(), pieces.number()), (6, 4));
         let mut join = CanJoin::new();
-        let mut gaps = |places: &[usize]| -> Vec<Option<bool>> {
-            places.iter().map(|place| join.take(data[*place].data()).map(|(gap, _)| gap)).collect()
+        let mut gaps = |indices: &[usize]| -> Vec<Option<bool>> {
+            indices.iter().map(|index| join.take(data[*index].data()).map(|(gap, _)| gap)).collect()
         };
         assert_eq!(gaps(&[0, 1, 1, 2, 5]), [Some(false), Some(false), None, Some(false), Some(true)]);
         assert_eq!((join.lost(), join.repeated()), (2, 1));

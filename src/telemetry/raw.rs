@@ -163,7 +163,7 @@ impl<'a> RawBlock<'a> {
         self.len() == 0
     }
 
-    /// Counts of the phase currents, or the quadrature current, by the place of the sample in the block.
+    /// Counts of the phase currents, or the quadrature current, by the index of the sample in the block.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "two counts a word")]
     pub fn currents(&self, sample: usize) -> Option<PhaseCounts> {
@@ -190,7 +190,7 @@ impl<'a> RawBlock<'a> {
         Some(Position::Resolver { sin: f32::from_bits(first), cos })
     }
 
-    /// Value of a further channel, by its place.
+    /// Value of a further channel, by its index.
     #[must_use]
     pub fn further(&self, sample: usize, channel: usize) -> Option<f32> {
         let before = sample_bytes(self.resolver, 0) / 4;
@@ -198,9 +198,9 @@ impl<'a> RawBlock<'a> {
         if exists { self.word(sample, before.wrapping_add(channel)).map(f32::from_bits) } else { None }
     }
 
-    fn word(&self, sample: usize, place: usize) -> Option<u32> {
+    fn word(&self, sample: usize, index: usize) -> Option<u32> {
         let words = sample_bytes(self.resolver, self.further.into()) / 4;
-        word(self.bytes, sample.wrapping_mul(words).wrapping_add(place)).map(u32::from_le_bytes)
+        word(self.bytes, sample.wrapping_mul(words).wrapping_add(index)).map(u32::from_le_bytes)
     }
 
     pub(super) fn write(&self, sink: &mut Sink<'_>) -> Result<(), TooSmall> {
@@ -294,7 +294,7 @@ mod tests {
             assert!(!recorder.push(&RawSample { number, currents, position, further: [] }));
         }
         let (block, two) = (recorder.block(), [0, 1]);
-        assert_eq!(two.map(|place| block.position(place)), positions.map(Some));
+        assert_eq!(two.map(|index| block.position(index)), positions.map(Some));
         assert_eq!((block.currents(1), block.resolver, block.further(1, 0)), (Some(currents), true, None));
         let angle = RawSample { number: 2, currents, position: Position::Absolute(Angle::ZERO), further: [] };
         assert!(recorder.push(&angle), "a position of another kind begins another block");

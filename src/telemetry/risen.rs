@@ -78,8 +78,8 @@ pub(super) fn write<P: Plan>(
     let alarm = evidence.main_contribution().map(|main| Fields::of(main.direction, main));
     // A plan has at most eight.
     sink.fields(&Head { alarm, directions: u8::try_from(directions.len()).unwrap_or(u8::MAX) })?;
-    pairs(directions, 0..u8::MAX).try_for_each(|(direction, place)| {
-        sink.fields(&Fields::of(direction.coordinate, evidence.contribution(place).unwrap_or_default()))
+    pairs(directions, 0..u8::MAX).try_for_each(|(direction, index)| {
+        sink.fields(&Fields::of(direction.coordinate, evidence.contribution(index).unwrap_or_default()))
     })
 }
 

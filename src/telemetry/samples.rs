@@ -24,21 +24,21 @@ impl Numbers<'_> {
         self.len() == 0
     }
 
-    /// A number by its place.
+    /// A number by its index.
     #[must_use]
-    pub fn get(&self, place: usize) -> Option<f32> {
-        word(self.0, place).map(f32::from_le_bytes)
+    pub fn get(&self, index: usize) -> Option<f32> {
+        word(self.0, index).map(f32::from_le_bytes)
     }
 
     /// The numbers in their order.
     pub fn iter(&self) -> impl Iterator<Item = f32> {
-        (0..self.len()).map(|place| self.get(place).unwrap_or(f32::NAN))
+        (0..self.len()).map(|index| self.get(index).unwrap_or(f32::NAN))
     }
 }
 
-/// Four bytes by their place.
-pub(super) fn word(bytes: &[u8], place: usize) -> Option<[u8; 4]> {
-    bytes.get(place.wrapping_mul(4)..)?.first_chunk().copied()
+/// Four bytes by their index.
+pub(super) fn word(bytes: &[u8], index: usize) -> Option<[u8; 4]> {
+    bytes.get(index.wrapping_mul(4)..)?.first_chunk().copied()
 }
 
 #[derive(Serialize, Deserialize)]
@@ -75,7 +75,7 @@ impl<'a> Block<'a> {
         self.len() == 0
     }
 
-    /// Value of a channel, by the place of the sample in the block and that of the channel in the sample.
+    /// Value of a channel, by the index of the sample in the block and that of the channel in the sample.
     #[must_use]
     pub fn value(&self, sample: usize, channel: usize) -> Option<f32> {
         let exists = channel < self.channels as usize;
@@ -89,9 +89,9 @@ impl<'a> Block<'a> {
         bits.map(|bits| Angle::from_bits(u32::from_le_bytes(bits)))
     }
 
-    fn word(&self, sample: usize, place: usize) -> Option<[u8; 4]> {
+    fn word(&self, sample: usize, index: usize) -> Option<[u8; 4]> {
         let words = sample_bytes(self.channels, self.with_angle) / 4;
-        word(self.bytes, sample.wrapping_mul(words).wrapping_add(place))
+        word(self.bytes, sample.wrapping_mul(words).wrapping_add(index))
     }
 
     pub(super) fn write(&self, sink: &mut Sink<'_>) -> Result<(), TooSmall> {

@@ -66,7 +66,7 @@ fn counts_tell_what_is_wrong() {
     assert_eq!(feed(&[1, 1, 1, 1, 1, 0]), 0, "nothing, and its checksum");
     assert_eq!(feed(&frame(header(4), &block(2))), 1);
     assert_eq!(feed(&frame(header(4), &block(2))), 0);
-    let expected = LinkCounts { frames: 2, bad: 5, oversize: 1, unknown: 3, lost: 3, repeated: 1 };
+    let expected = LinkStats { frames: 2, bad: 5, oversize: 1, unknown: 3, lost: 3, repeated: 1 };
     assert_eq!(decoder.counts(), expected);
 }
 
@@ -98,10 +98,10 @@ fn a_full_block_waits_and_the_next_one_shows_the_gap() {
     let block = whole.block();
     assert_eq!((block.first, block.len(), block.channels), (0, 2, 2));
     for k in 0..2_u32 {
-        let (place, expected) = (k as usize, sample(k));
-        assert_eq!(block.value(place, 0).unwrap().to_bits(), expected.current_a.to_bits(), "NaN keeps its bits");
-        assert_eq!(block.value(place, 1), Some(expected.velocity_rad_s));
-        assert_eq!(block.angle(place), Some(expected.angle));
+        let (index, expected) = (k as usize, sample(k));
+        assert_eq!(block.value(index, 0).unwrap().to_bits(), expected.current_a.to_bits(), "NaN keeps its bits");
+        assert_eq!(block.value(index, 1), Some(expected.velocity_rad_s));
+        assert_eq!(block.angle(index), Some(expected.angle));
     }
     assert_eq!((block.value(0, 2), block.value(2, 0), block.angle(2)), (None, None, None));
     assert!(!recorder.push(&sample(4)));

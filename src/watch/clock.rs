@@ -5,7 +5,7 @@ use core::sync::atomic::Ordering;
 
 use super::{Main, Watch};
 use crate::plan::Plan;
-use crate::reason::{Implausible, Kernel, Reason};
+use crate::reason::{ArithmeticFault, Implausible, Reason};
 use crate::report::Verdict;
 use crate::signal::{Liveness, LivenessLimits, Stage};
 
@@ -19,7 +19,7 @@ pub enum Lapse {
     /// Samples wait, but [`Watch::collect`] is not called.
     NotCollected,
     /// The context of [`Watch::collect`] computes otherwise than the host of the training: no segment closes.
-    Arithmetic(Kernel),
+    Arithmetic(ArithmeticFault),
     /// Samples come, but no segment closes: each is lost because [`Watch::advance`] is not called, or they are too rare.
     NoSegment,
     /// Segments close, but none has a verdict; why the last one has none.

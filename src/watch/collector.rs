@@ -8,7 +8,7 @@ use crate::detector::{Detector, Exchange};
 use crate::known_answers::known_answer_test;
 use crate::model::Model;
 use crate::plan::{MAX_CHANNELS, Plan, Signals as _};
-use crate::reason::Kernel;
+use crate::reason::ArithmeticFault;
 
 /// Most lost samples that are made up for at once: more than the shaft bridges, so that everything starts anew.
 const MOST_MISSED: u16 = 16;
@@ -19,7 +19,7 @@ pub(super) struct Collector<P: Plan> {
     spare: Option<Place<P>>,
     /// A closed segment that the main loop could not be given yet.
     finished: Option<Place<P>>,
-    tested: Option<Result<(), Kernel>>,
+    tested: Option<Result<(), ArithmeticFault>>,
 }
 
 impl<P: Plan> Collector<P> {
@@ -28,7 +28,7 @@ impl<P: Plan> Collector<P> {
     }
 
     /// What the context of the collector computes otherwise than the host.
-    pub(super) fn failed(&self) -> Option<Kernel> {
+    pub(super) fn failed(&self) -> Option<ArithmeticFault> {
         self.tested.and_then(Result::err)
     }
 

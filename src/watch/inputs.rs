@@ -6,7 +6,7 @@ use super::link::{Link, Queue, Queued, count};
 use crate::drive::{By, Factor, FrontEnd, FrontEndError};
 use crate::model::ModelError;
 use crate::plan::Plan;
-use crate::reason::Kernel;
+use crate::reason::ArithmeticFault;
 
 /// What the current loop works on.
 pub(super) struct Inputs<P: Plan, F> {
@@ -25,7 +25,7 @@ pub(super) struct Inputs<P: Plan, F> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StartError {
     /// The chip computes otherwise than the host of the training.
-    Arithmetic(Kernel),
+    Arithmetic(ArithmeticFault),
     /// A constant of the front end is out of range.
     FrontEnd(FrontEndError),
     /// The model was trained with another front end.

@@ -32,7 +32,7 @@ use crate::detector::{Conclusion, Monitor, Segment};
 use crate::drive::{Alignment, Faults};
 use crate::model::Model;
 use crate::plan::Plan;
-use crate::reason::Kernel;
+use crate::reason::ArithmeticFault;
 use crate::report::Verdict;
 use crate::signal::{Liveness, LivenessLimits, RateCheck};
 use collector::Collector;
@@ -96,7 +96,7 @@ pub struct Status {
     /// not. [`Alignment::Unknown`]: nobody has checked.
     pub alignment: Alignment,
     /// What the context of [`Watch::collect`] computes otherwise than the host of the training.
-    pub failed: Option<Kernel>,
+    pub failed: Option<ArithmeticFault>,
     /// Samples that the detector took, with wrap-around.
     pub rows: u32,
     /// Samples that were lost because [`Watch::collect`] came too late.

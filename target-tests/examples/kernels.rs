@@ -197,7 +197,7 @@ where
     P: Plan<
             Features = Nine,
             Covariates = Zero,
-            Explained = Zero,
+            CovariateMap = Zero,
             Coordinates = Three,
             Map = TwentySeven,
             Classes = Three,

@@ -103,7 +103,7 @@ fn shortened<P: Plan>(model: &Model<P>) -> Option<Model<P>> {
         (regression.settle, regression.handover) = (8, 8);
     }
     if let Some(shaft) = constants.shaft.part_mut() {
-        (shaft.balance.settle, shaft.balance.own_from_rows) = (16, 4);
+        (shaft.balance.settle, shaft.balance.adapt_after_rows) = (16, 4);
     }
     Model::new(model.plan(), constants).ok()
 }

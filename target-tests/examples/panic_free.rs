@@ -56,7 +56,7 @@ use numbers::Numbers;
 
 fn run() {
     for kernel in [known_answer_test().err(), arithmetic_test().err()].into_iter().flatten() {
-        opaque(Kernel::message(kernel));
+        opaque(ArithmeticFault::message(kernel));
         show(kernel);
     }
     front_end();
@@ -87,8 +87,8 @@ fn front_end() {
     opaque(Angle::bits(Angle::negated(opaque(angle))));
     opaque(Angle::radians(Angle::plus(Angle::times(opaque(angle), opaque(6)), opaque(other))));
     opaque(Angle::since(opaque(angle), opaque(other)));
-    if let Some(turn) = CountsPerTurn::new(opaque(8000)) {
-        opaque(CountsPerTurn::angle(turn, opaque(-5)));
+    if let Some(turn) = EncoderCounts::new(opaque(8000)) {
+        opaque(EncoderCounts::angle(turn, opaque(-5)));
     }
     let electrical = opaque(Angle::sin_cos(opaque(angle)));
 
@@ -161,7 +161,12 @@ fn plans() {
     opaque([Layout::parameters(&layout), Layout::covariance(&layout), Layout::delays(&layout)]);
     opaque([Layout::filters(&layout), Layout::watched(&layout), Layout::orders(&layout), Layout::map(&layout)]);
     opaque([Layout::density(&layout), Layout::densities(&layout), Layout::means(&layout), Layout::costs(&layout)]);
-    opaque((Layout::averages(&layout), Layout::explained(&layout), Layout::laws(&layout), Signal::mask(signal)));
+    opaque((
+        Layout::averages(&layout),
+        Layout::covariate_map_len(&layout),
+        Layout::laws(&layout),
+        Signal::mask(signal),
+    ));
     let covariate = opaque(Covariate::BLANK);
     let departures = opaque([Covariate::departure(&covariate, opaque(FeatureValue::MISSING)); 2]);
     let covariates = opaque(Covariates::<Explaining> { list: [covariate; 2], map: [[0.5, 0.25]; 2] });
@@ -198,7 +203,7 @@ fn constants() {
     opaque(Implausible::message(opaque(Implausible::LoadSign)));
     show(opaque(Implausible::Scale));
     opaque(Field::name(opaque(Field::SamplingInterval)));
-    for error in opaque([ModelError::OtherPlan, ModelError::Channel { place: 1 }]) {
+    for error in opaque([ModelError::OtherPlan, ModelError::Channel { index: 1 }]) {
         opaque(ModelError::message(&error));
         show(error);
     }
@@ -338,14 +343,14 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
         opaque([Friction::inertia_kg_m2(friction), Friction::viscous_nm_s_rad(friction)]);
         opaque((Friction::coulomb_nm(friction), Friction::torque_constant_nm_a(friction)));
         if let Some(balance) = balance {
-            opaque(Balance::without_prior(balance, friction, opaque(FrictionTerm::Drag)));
-            opaque(Balance::part_of_rows(balance, friction, opaque(FrictionTerm::Drag)));
+            opaque(TorqueBalance::without_prior(balance, friction, opaque(FrictionTerm::Drag)));
+            opaque(TorqueBalance::part_of_rows(balance, friction, opaque(FrictionTerm::Drag)));
         }
     }
     opaque(Report::smallest(report));
     opaque(Projection::only(&Model::constants(model).classifier.projection, opaque(1)));
     let mut doubted = report.clone();
-    Report::doubt(opaque(&mut doubted));
+    Report::withdraw(opaque(&mut doubted));
     if let Some(decision) = &report.decision {
         opaque((Decision::log_likelihoods(decision), Decision::posteriors(decision)));
         opaque((Decision::expected_costs(decision), Decision::least_cost(decision)));

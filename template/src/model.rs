@@ -8,7 +8,7 @@
 // Novel beyond distance 3.79 from healthy, or by one of order_inner alone: false-alarm rate 0.01 a segment by 60 segments (Gaussian with probability 0.67, else heavier tails); false alarms every 1.500e6 segments for 95 % of such training sets; segments count as independent; each adds at most 7.7 of 15.3 nats.
 
 #[rustfmt::skip]
-use bearing_watch::model::{Balance, Blocks, Channel, Classifier, Constants, Covariates, Directions, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Lags, Novelty, Projection, Regression, Rise, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking};
+use bearing_watch::model::{TorqueBalance, Blocks, Channel, Classifier, Constants, Covariates, Directions, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Lags, Novelty, Projection, Regression, Rise, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking};
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout, Structure};
 use bearing_watch::{FrictionTerm, Model};
 
@@ -69,12 +69,12 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
     }],
     shaft: [ShaftConstants {
         lags: Lags { current: 1.1, velocity: 0.0, load: 1.8 },
-        balance: Balance {
+        balance: TorqueBalance {
             interval_s: 0.001,
             filter: StateVariable::new(0.012567032, 0.001),
             row_interval: 31,
             settle: 400,
-            own_from_rows: 65535,
+            adapt_after_rows: 65535,
             sign_velocity_rad_s: 0.6921455,
             stribeck_velocity_rad_s: 6.921455,
             usual_velocity_rad_s: 69.214554,

@@ -32,14 +32,14 @@ mod tests {
     use core::sync::atomic::Ordering;
 
     use bearing_watch::storage::{RecordKind, RecordLabel, SlotPair};
-    use bearing_watch::{Kernel, known_answer_test, model::Label};
+    use bearing_watch::{ArithmeticFault, known_answer_test, model::Label};
     use cortex_m::peripheral::{DCB, DWT, Peripherals, SCB};
     use on_board::{MOST_CYCLES, flash};
 
     use crate::model::{FRONT_END, MODEL, Reading, WATCH};
 
     #[test]
-    fn known_answers_in_a_thread() -> Result<(), Kernel> {
+    fn known_answers_in_a_thread() -> Result<(), ArithmeticFault> {
         known_answer_test()
     }
 

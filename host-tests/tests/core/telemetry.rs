@@ -26,7 +26,7 @@ use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::model::Feature;
 use bearing_watch::plan::Signals;
 use bearing_watch::telemetry::{
-    Body, Decoder, Encoder, Frame, LinkCounts, RawEncoder, RawRecorder, Recorder, Source, TooSmall,
+    Body, Decoder, Encoder, Frame, LinkStats, RawEncoder, RawRecorder, Recorder, Source, TooSmall,
 };
 use bearing_watch::{Angle, Cause, Detector, Evidence, Verdict};
 use rand::{RngExt, SeedableRng};
@@ -97,7 +97,7 @@ fn samples_and_reports_arrive_as_they_were() {
         }
     }
     assert_eq!((next, hellos, reports.next()), (15_000, 3, None));
-    assert_eq!(decoder.counts(), LinkCounts { frames: frames.len() as u32, ..LinkCounts::default() });
+    assert_eq!(decoder.counts(), LinkStats { frames: frames.len() as u32, ..LinkStats::default() });
     println!("bytes of a frame: hello {}, report of 3 classes and 5 features {}", longest[0], longest[1]);
     assert_eq!(longest, [137, 112]);
 }
@@ -283,7 +283,7 @@ fn disturbed(frames: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
 #[test]
 fn a_disturbed_line_is_counted_and_nothing_wrong_arrives() {
     let (frames, samples) = sent();
-    let mut total = LinkCounts::default();
+    let mut total = LinkStats::default();
     for seed in 0..20 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let (last, middle) = frames[1..].split_last().expect("frames");
@@ -329,7 +329,7 @@ fn random_bytes_are_no_frames() {
         };
         assert!(decoder.push(byte).is_none());
     }
-    let LinkCounts { frames, bad, oversize, unknown, lost, repeated } = decoder.counts();
+    let LinkStats { frames, bad, oversize, unknown, lost, repeated } = decoder.counts();
     assert_eq!([frames, unknown, lost, repeated], [0; 4]);
     assert!(bad > 10_000 && oversize > 100 && bad + oversize < bytes, "{bad} {oversize}");
 }

@@ -260,9 +260,9 @@ fn words_that_no_segments_leave_are_refused() {
     observed.save_words(&mut |word| words.push(word));
     assert_eq!(restored(&words).as_ref(), Some(&observed));
     assert_eq!(restored(&words[..words.len() - 1]), None);
-    let changed = |place: usize, word: u32| {
+    let changed = |index: usize, word: u32| {
         let mut words = words.clone();
-        words[place] = word;
+        words[index] = word;
         restored(&words).is_some()
     };
     let [one, two, minus, nan] = [1.0, 2.0, -1.0, f32::NAN].map(f32::to_bits);

@@ -29,8 +29,8 @@ impl<P: Plan> Evidence<P> {
             None => (0, 0),
             Some(Alarm { segment, cause: Cause::Unknown }) => (1, segment),
             Some(Alarm { segment, cause: Cause::Class(class) }) => (FIRST_CLASS.saturating_add(class.into()), segment),
-            Some(Alarm { segment, cause: Cause::Coordinate(place) }) => (u32::from(place) | COORDINATE, segment),
-            Some(Alarm { segment, cause: Cause::Fallen(place) }) => (u32::from(place) | FALLEN, segment),
+            Some(Alarm { segment, cause: Cause::Coordinate(index) }) => (u32::from(index) | COORDINATE, segment),
+            Some(Alarm { segment, cause: Cause::Fallen(index) }) => (u32::from(index) | FALLEN, segment),
         };
         [self.segments, self.undetermined, self.run, cause, segment].into_iter().for_each(&mut *put);
         for Score { sum, run } in core::iter::once(&self.novelty).chain(self.defects.cells()) {
@@ -42,7 +42,7 @@ impl<P: Plan> Evidence<P> {
         let Contribution { direction, deviations, score, since } = self.main.unwrap_or_default();
         let direction = if self.main.is_some() { u32::from(direction).saturating_add(1) } else { 0 };
         [direction, deviations.to_bits(), score.to_bits(), since].into_iter().for_each(&mut *put);
-        put(self.fallen.map_or(0, |place| u32::from(place).saturating_add(1)));
+        put(self.fallen.map_or(0, |index| u32::from(index).saturating_add(1)));
         self.runs.save(put);
     }
 
@@ -54,11 +54,11 @@ impl<P: Plan> Evidence<P> {
         self.alarm = match cause {
             0 => None,
             1 => Some(Alarm { segment, cause: Cause::Unknown }),
-            place if place >= FALLEN => {
-                Some(Alarm { segment, cause: Cause::Fallen(u8::try_from(place ^ FALLEN).ok()?) })
+            index if index >= FALLEN => {
+                Some(Alarm { segment, cause: Cause::Fallen(u8::try_from(index ^ FALLEN).ok()?) })
             }
-            place if place >= COORDINATE => {
-                Some(Alarm { segment, cause: Cause::Coordinate(u8::try_from(place ^ COORDINATE).ok()?) })
+            index if index >= COORDINATE => {
+                Some(Alarm { segment, cause: Cause::Coordinate(u8::try_from(index ^ COORDINATE).ok()?) })
             }
             class => Some(Alarm { segment, cause: Cause::Class(u8::try_from(class.wrapping_sub(FIRST_CLASS)).ok()?) }),
         };
@@ -73,7 +73,7 @@ impl<P: Plan> Evidence<P> {
         self.main = self.main_of([take()?, take()?, take()?, take()?])?;
         self.fallen = match take()? {
             0 => None,
-            place if self.runs.are_used() => Some(u8::try_from(place.wrapping_sub(1)).ok()?),
+            index if self.runs.are_used() => Some(u8::try_from(index.wrapping_sub(1)).ok()?),
             _ => return None,
         };
         self.runs.restore(take, self.segments)?;
@@ -85,9 +85,9 @@ impl<P: Plan> Evidence<P> {
         if words == [0; 4] {
             return Some(None);
         }
-        let [place, deviations, score, since] = words;
+        let [index, deviations, score, since] = words;
         let (deviations, score) = (f32::from_bits(deviations), f32::from_bits(score));
-        let direction = u8::try_from(place.checked_sub(1)?).ok()?;
+        let direction = u8::try_from(index.checked_sub(1)?).ok()?;
         self.runs.contribution(direction)?;
         let good = deviations.is_finite() && score.is_finite() && since <= self.segments;
         good.then_some(Some(Contribution { direction, deviations, score, since }))
@@ -112,7 +112,7 @@ impl<P: Plan> Evidence<P> {
                 let known = match cause {
                     Cause::Unknown => true,
                     Cause::Class(class) => defect(class),
-                    Cause::Coordinate(place) => self.runs.watch(place),
+                    Cause::Coordinate(index) => self.runs.watch(index),
                     Cause::Fallen(_) => self.runs.are_used() && self.fallen.is_some(),
                 };
                 known && self.healthy.is_some() && segment > 0 && segment <= self.segments

@@ -121,12 +121,12 @@ fn words_are_those_of_the_course_and_checked() {
     };
     assert_eq!(of(&words), Some(kept));
     assert_eq!(of(&words[..7]), None);
-    for (place, bad) in
+    for (index, bad) in
         [(0, f32::NAN), (2, 0.0), (2, -1.0), (4, 0.0), (5, 8.0), (5, -1.0), (6, f32::INFINITY), (7, -1.0)]
     {
         let mut changed = words.clone();
-        changed[place] = bad.to_bits();
-        assert_eq!(of(&changed), None, "{place} {bad}");
+        changed[index] = bad.to_bits();
+        assert_eq!(of(&changed), None, "{index} {bad}");
     }
 }
 

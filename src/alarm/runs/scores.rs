@@ -216,7 +216,7 @@ impl Scores {
         self.scores.iter().copied().fold(0.0, f32::max)
     }
 
-    /// What the direction contributes, whose place is this.
+    /// What the direction contributes, whose index is this.
     pub(super) fn contribution(&self, direction: u8) -> Contribution {
         let score = self.score();
         let mut latest = 0;

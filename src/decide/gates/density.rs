@@ -24,7 +24,7 @@ use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 use crate::regression::factor::kernels::rotate_pivot_small;
 use crate::regression::factor::pairs;
-use crate::unroll::rolled;
+use crate::unroll::no_unroll;
 
 const LN_2PI: f32 = 1.837_877_1;
 
@@ -45,10 +45,10 @@ impl<P: Plan> Density<P> {
     pub(crate) fn of(factor: &[f32], variances: &[f32], coordinates: usize) -> Self {
         let length = crate::regression::factor::lower(coordinates, 0);
         let mut density = Self { factor: Cells::filled(length, 1.0), log_determinant: 0.0, available: 0, coordinates };
-        pairs(rolled(density.factor.cells_mut()), factor).for_each(|(cell, x)| *cell = *x);
+        pairs(no_unroll(density.factor.cells_mut()), factor).for_each(|(cell, x)| *cell = *x);
         let mut x: Array<P::Coordinates, f32> = Cells::filled(coordinates, 0.0);
         let mut rows = density.factor.cells_mut();
-        for k in 0..rolled(coordinates) {
+        for k in 0..no_unroll(coordinates) {
             let below = x.cells_mut().get_mut(k.wrapping_add(1)..).unwrap_or_default();
             let Some((row, later)) = rows.split_at_mut_checked(below.len().wrapping_add(1)) else { break };
             let [pivot, row @ ..] = row else { break };

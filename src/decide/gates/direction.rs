@@ -22,7 +22,7 @@ pub const MAX_BACKGROUND: usize = 4;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Background {
-    /// Its place.
+    /// Its index.
     pub coordinate: u8,
     /// β of (1); 0 if there is none.
     pub weight: f32,
@@ -70,7 +70,7 @@ impl Direction {
     /// (1); missing if a coordinate with a weight is.
     #[inline(never)]
     pub(crate) fn value(&self, z: &[f32], variances: &[f32]) -> FeatureValue {
-        let at = |place: u8| pairs(z, variances).nth(place as usize).unwrap_or((&0.0, &f32::INFINITY));
+        let at = |index: u8| pairs(z, variances).nth(index as usize).unwrap_or((&0.0, &f32::INFINITY));
         let (value, variance) = at(self.coordinate);
         let mut y = FeatureValue { value: value - self.centre, variance: *variance };
         for Background { coordinate, weight } in self.background {

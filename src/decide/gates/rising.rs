@@ -54,7 +54,7 @@ impl Rise {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Most {
-    /// Its place.
+    /// Its index.
     pub coordinate: u8,
     /// Whether it is below its usual value.
     pub falls: bool,
@@ -78,8 +78,8 @@ impl Scores {
     pub(crate) fn add(&mut self, y: f32, pivot: f32, [k, all]: [usize; 2], freedom: f32, judged: &mut [f32]) {
         let first = all.wrapping_add(1).saturating_sub(judged.len());
         let is_missing = pivot >= f32::INFINITY;
-        let place = k.checked_sub(first).map(|place| place.wrapping_add(1));
-        let cell = place.and_then(|place| judged.get_mut(place));
+        let index = k.checked_sub(first).map(|index| index.wrapping_add(1));
+        let cell = index.and_then(|index| judged.get_mut(index));
         let rises = cell.is_some();
         if let Some(cell) = cell {
             let u = y / libm::sqrtf(pivot * (1.0 + self.squared / freedom)); // (2)
@@ -168,13 +168,13 @@ pub(crate) fn rarest(laws: &[Law], rises: &[Rise], judged: &[f32], scores: &Scor
             smallest.take(libm::expf(-of_others), 1.0, scores.farthest());
             continue;
         }
-        let (u, place) = (value.abs(), first.wrapping_add(k).wrapping_sub(1));
+        let (u, index) = (value.abs(), first.wrapping_add(k).wrapping_sub(1));
         let beyond = libm::expf(-far(law, u));
         let falls = *value < 0.0;
-        smallest.take(if falls { 1.0 - beyond } else { beyond }, 1.0, most(place, false));
+        smallest.take(if falls { 1.0 - beyond } else { beyond }, 1.0, most(index, false));
         // −ln of p/φ.
         let below = if falls { far(law, rise.fall * u) + LN_FALLS } else { 0.0 };
-        let fallen_here = most(place, true);
+        let fallen_here = most(index, true);
         smallest.take(libm::expf(-below), FALLS, fallen_here);
         fallen += 1.0;
         if let Some(Most { coordinate, .. }) = fallen_here

@@ -82,20 +82,20 @@ fn steps_give_the_bits_of_the_whole_and_a_hasty_interrupt_loses_nothing() {
 #[test]
 fn a_report_in_doubt_is_taken_out_of_the_evidence() {
     let model = gated();
-    for (place, doubts) in [(0, true), (SAMPLES / 2 - 1, true), (SAMPLES / 2, false), (SAMPLES - 1, false)] {
+    for (index, doubts) in [(0, true), (SAMPLES / 2 - 1, true), (SAMPLES / 2, false), (SAMPLES - 1, false)] {
         let (mut detector, mut monitor) = (Detector::new(&model), Monitor::new(&model));
         let mut all = stream(&[40.0; 4]);
         let first = segment(&mut detector, &mut all);
         assert_eq!(conclude(&mut monitor, first).report.verdict, Verdict::Novel);
-        all.by_ref().take(place as usize).for_each(|sample| assert!(collect(&mut detector, &sample).is_none()));
+        all.by_ref().take(index as usize).for_each(|sample| assert!(collect(&mut detector, &sample).is_none()));
         detector.discard();
         let second = segment(&mut detector, &mut all);
         conclude(&mut monitor, second);
-        let undetermined = u32::from(doubts) + u32::from(place >= SAMPLES / 2);
-        assert_eq!(monitor.evidence().segments(), (2, undetermined), "{place}");
+        let undetermined = u32::from(doubts) + u32::from(index >= SAMPLES / 2);
+        assert_eq!(monitor.evidence().segments(), (2, undetermined), "{index}");
         let third = segment(&mut detector, &mut all);
         conclude(&mut monitor, third);
-        assert_eq!(monitor.evidence().segments(), (3, undetermined), "{place}");
+        assert_eq!(monitor.evidence().segments(), (3, undetermined), "{index}");
     }
 }
 

@@ -42,9 +42,9 @@ fn checked(content: &[u8]) -> Vec<u8> {
 }
 
 /// The bytes with another one at a place, under a checksum that fits.
-fn with(bytes: &[u8], place: usize, byte: u8) -> Vec<u8> {
+fn with(bytes: &[u8], index: usize, byte: u8) -> Vec<u8> {
     let mut content = bytes[..bytes.len() - 4].to_vec();
-    content[place] = byte;
+    content[index] = byte;
     checked(&content)
 }
 
@@ -112,7 +112,7 @@ fn numbers_that_no_segments_leave_are_refused() {
     let model = model();
     let bytes = saved(&model);
     assert_eq!(refusal(&model, &with(&bytes, SCORES + 3, 0xBF)), StateError::Value, "a negative score");
-    for place in MAIN..MAIN + 24 {
-        assert_eq!(refusal(&model, &with(&bytes, place, 1)), StateError::Value, "{place}: without directions");
+    for index in MAIN..MAIN + 24 {
+        assert_eq!(refusal(&model, &with(&bytes, index, 1)), StateError::Value, "{index}: without directions");
     }
 }

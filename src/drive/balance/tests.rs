@@ -59,10 +59,10 @@ fn balanced_currents_are_balanced_with_any_amplitude_and_tolerated_gains() {
 
 #[test]
 fn gain_errors_are_named_and_measured() {
-    for (place, phase) in Phase::ALL.into_iter().enumerate() {
+    for (index, phase) in Phase::ALL.into_iter().enumerate() {
         for error in [0.1_f64, -0.2] {
             let mut gains = [1.0; 3];
-            gains[place] += error;
+            gains[index] += error;
             let Some(Imbalance::Gain { phase: named, error: measured }) = finding(10.0, 100.0, gains, three) else {
                 panic!("{phase:?} {error}");
             };
@@ -85,11 +85,11 @@ fn a_gain_error_below_the_noise_of_the_sum_is_named() {
 
 #[test]
 fn clipped_phases_and_half_waves_are_named() {
-    for (place, phase) in Phase::ALL.into_iter().enumerate() {
+    for (index, phase) in Phase::ALL.into_iter().enumerate() {
         let changed = |change: fn(f64) -> f64| {
             finding(10.0, 100.0, [1.0; 3], |amplitude, angle| {
                 let mut i = three(amplitude, angle);
-                i[place] = change(i[place]);
+                i[index] = change(i[index]);
                 i
             })
         };
@@ -102,14 +102,14 @@ fn clipped_phases_and_half_waves_are_named() {
 
 #[test]
 fn an_open_winding_differs_from_a_silent_sensor() {
-    for (place, phase) in Phase::ALL.into_iter().enumerate() {
+    for (index, phase) in Phase::ALL.into_iter().enumerate() {
         let mut gains = [1.0; 3];
-        gains[place] = 0.0;
+        gains[index] = 0.0;
         assert_eq!(finding(10.0, 100.0, gains, three), Some(Imbalance::Silent(phase)));
         let open = |amplitude: f64, angle: f64| {
             let mut i = [0.0; 3];
-            i[(place + 1) % 3] = amplitude * angle.sin();
-            i[(place + 2) % 3] = -amplitude * angle.sin();
+            i[(index + 1) % 3] = amplitude * angle.sin();
+            i[(index + 2) % 3] = -amplitude * angle.sin();
             i
         };
         assert_eq!(finding(10.0, 100.0, [1.0; 3], open), Some(Imbalance::Open(phase)));
@@ -132,11 +132,11 @@ fn a_silent_sensor_has_no_gain_error_at_a_current_too_small_to_name_it() {
 
 #[test]
 fn an_offset_is_named_and_measured_beyond_those_that_are_removed() {
-    for (place, phase) in Phase::ALL.into_iter().enumerate() {
+    for (index, phase) in Phase::ALL.into_iter().enumerate() {
         let offset = |by: f64| {
             let shifted = move |amplitude: f64, angle: f64| {
                 let mut i = three(amplitude, angle);
-                i[place] += by;
+                i[index] += by;
                 i
             };
             finding(10.0, 100.0, [1.0; 3], shifted)

@@ -30,10 +30,10 @@ impl Centres {
     /// The angle that was put `back` calls of [`Self::put`] ago, below [`CELLS`].
     #[inline(always)]
     pub(super) fn get(&self, back: u8) -> Angle {
-        let place = self.newest.wrapping_sub(back);
+        let index = self.newest.wrapping_sub(back);
         // A place below zero has wrapped.
-        let place = if place < CELLS { place } else { place.wrapping_add(CELLS) };
-        self.cells.get(place as usize).copied().unwrap_or(Angle::ZERO)
+        let index = if index < CELLS { index } else { index.wrapping_add(CELLS) };
+        self.cells.get(index as usize).copied().unwrap_or(Angle::ZERO)
     }
 }
 

@@ -111,9 +111,9 @@ fn each_byte_of_a_layout_has_its_place() {
 
 #[test]
 fn variants_are_those_of_their_bytes_and_no_others() {
-    let at = |place: usize, byte: u8| {
+    let at = |index: usize, byte: u8| {
         let mut bytes = LAYOUT;
-        bytes[place] = byte;
+        bytes[index] = byte;
         let layout = Reader(&bytes).layout()?;
         Ok(layout.regression.map(|regression| (regression.structure.offset, regression.method, regression.memory)))
     };
@@ -122,8 +122,8 @@ fn variants_are_those_of_their_bytes_and_no_others() {
     assert_eq!(at(8, 0), Ok(Some((true, squares, Memory::Fading))));
     assert_eq!(at(9, 0), Ok(Some((true, instruments, Memory::Segment))));
     // Flags are 0 or 1, memories 0 or 2.
-    for (place, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (33, 2), (9, 1), (9, 3), (1, 0xFF), (9, 0xFF)] {
-        assert_eq!(at(place, byte), Err(ModelError::OutOfRange(Field::Layout)), "{place} {byte}");
+    for (index, byte) in [(1, 2), (2, 2), (8, 2), (16, 2), (33, 2), (9, 1), (9, 3), (1, 0xFF), (9, 0xFF)] {
+        assert_eq!(at(index, byte), Err(ModelError::OutOfRange(Field::Layout)), "{index} {byte}");
     }
     for length in 0..LAYOUT.len() - 3 {
         assert_eq!(Reader(&LAYOUT[..length]).layout(), Err(ModelError::Truncated), "{length} bytes");
@@ -132,7 +132,7 @@ fn variants_are_those_of_their_bytes_and_no_others() {
 
 #[test]
 fn features_are_those_of_their_bytes_and_no_others() {
-    let read = |kind, place| Reader(&[kind, place]).feature();
+    let read = |kind, index| Reader(&[kind, index]).feature();
     let expected = [
         (0, 7, Feature::Parameter(7)),
         (1, 0, Feature::LogVariance),
@@ -145,11 +145,11 @@ fn features_are_those_of_their_bytes_and_no_others() {
         (8, 4, Feature::ChannelMean(4)),
         (9, 5, Feature::ChannelRms(5)),
     ];
-    for (kind, place, feature) in expected {
-        assert_eq!(read(kind, place), Ok(feature));
+    for (kind, index, feature) in expected {
+        assert_eq!(read(kind, index), Ok(feature));
     }
-    for (kind, place) in [(2, 8), (3, 0xFF), (7, 8)] {
-        assert_eq!(read(kind, place), Err(ModelError::OutOfRange(Field::Feature)), "{kind} {place}");
+    for (kind, index) in [(2, 8), (3, 0xFF), (7, 8)] {
+        assert_eq!(read(kind, index), Err(ModelError::OutOfRange(Field::Feature)), "{kind} {index}");
     }
     for kind in [10, 0xFF] {
         assert_eq!(read(kind, 0), Err(ModelError::Version { given: 12, supported: 11 }), "{kind}");
@@ -237,7 +237,7 @@ fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
     let StateVariable { gain, damping, rate_per_s } = balance.filter;
     let Lags { current, velocity, load } = *lags;
     assert_eq!([current, velocity, load, balance.interval_s, gain, damping, rate_per_s], from(17));
-    assert_eq!((balance.row_interval, balance.settle, balance.own_from_rows), (24, 25, 32));
+    assert_eq!((balance.row_interval, balance.settle, balance.adapt_after_rows), (24, 25, 32));
     let velocities = [balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_velocity_rad_s];
     assert_eq!(velocities, from(26));
     assert_eq!([balance.usual_load_nm, balance.row_spread, balance.deviation], from(29));
@@ -269,8 +269,8 @@ fn classifier(payload: &mut Payload) {
     payload.floats(2); // from 246: segments of a usual run, margin
     payload.bytes.extend([3, 4]); // runs that are learned
     payload.bytes.extend([7, 1]); // the coordinate of the direction, and that it is an order
-    for place in 1..=4 {
-        payload.bytes.push(place);
+    for index in 1..=4 {
+        payload.bytes.push(index);
         payload.floats(1); // from 248: weight in the background
     }
     payload.floats(6); // from 252: centre, and the law

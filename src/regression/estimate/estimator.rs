@@ -23,7 +23,7 @@ use super::{Estimate, is_stable};
 use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout};
 use crate::reason::{Part, Reason};
 use crate::regression::factor::{Problem, Solution, SolveError, Solved, Sums, longest};
-use crate::regression::{Frame, Inputs, Regression, Rows};
+use crate::regression::{Inputs, Reference, Regression, Rows};
 
 /// Running state of the regression.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +39,7 @@ pub struct Estimator<P: Plan> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RegressionSums<P: Plan> {
     sums: Sums<P>,
-    frame: Frame<P>,
+    frame: Reference<P>,
     /// Rows of the segment.
     pub count: u32,
     /// Sum of the rows' motion.
@@ -155,7 +155,7 @@ impl<P: Plan> RegressionSums<P> {
     pub fn new(plan: P) -> Self {
         Self {
             sums: Sums::new(plan),
-            frame: Frame::of_zeros(plan),
+            frame: Reference::of_zeros(plan),
             count: 0,
             motion: 0.0,
             resting: 0,
@@ -279,13 +279,13 @@ impl<P: Plan> RegressionSolve<P> {
             return Ok(add(solution, problem, solved));
         }
         let solution = match unknown {
-            Some(column) => Err(SolveError::NotExcited(problem.place(column))),
+            Some(column) => Err(SolveError::NotExcited(problem.index(column))),
             None if plain => Solution::new::<false>(problem, solved),
             None => Solution::new::<true>(problem, solved),
         };
         self.solution = Some(solution.map_err(|error| match error {
             SolveError::TooFewRows => Reason::TooFewRows { part: Part::Regression, rows: sums.count },
-            SolveError::NotExcited(place) => Reason::ParameterNotExcited(u8::try_from(place).unwrap_or(u8::MAX)),
+            SolveError::NotExcited(index) => Reason::ParameterNotExcited(u8::try_from(index).unwrap_or(u8::MAX)),
             SolveError::WeakInstruments => Reason::WeakInstruments(Part::Regression),
         })?);
         Ok(false)

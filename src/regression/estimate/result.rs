@@ -146,16 +146,16 @@ impl<P: Plan> Estimate<P> {
         for (j, covariance) in row.cells_mut().iter_mut().enumerate() {
             *covariance = self.covariance(constant, j);
         }
-        for (_, place, g) in terms.into_iter().filter(|term| term.0) {
-            k += g * self.delta().get(place).copied().unwrap_or(0.0);
+        for (_, index, g) in terms.into_iter().filter(|term| term.0) {
+            k += g * self.delta().get(index).copied().unwrap_or(0.0);
             for (j, covariance) in row.cells_mut().iter_mut().enumerate() {
-                *covariance += g * self.covariance(place, j);
+                *covariance += g * self.covariance(index, j);
             }
         }
         // The corner: the variance of the restored constant.
         let mut corner = row.cells().get(constant).copied().unwrap_or(0.0);
-        for (_, place, g) in terms.into_iter().filter(|term| term.0) {
-            corner += g * row.cells().get(place).copied().unwrap_or(0.0);
+        for (_, index, g) in terms.into_iter().filter(|term| term.0) {
+            corner += g * row.cells().get(index).copied().unwrap_or(0.0);
         }
         if let Some(cell) = row.cells_mut().get_mut(constant) {
             *cell = corner;

@@ -20,7 +20,7 @@ pub fn pivot<const FORGET: bool>(di: &mut f32, xi: f32, w: &mut f32, forgetting:
     q / d
 }
 
-/// Place of R(i, j), j > i, in the packed rows of m columns.
+/// Index of R(i, j), j > i, in the packed rows of m columns.
 #[inline(always)]
 pub const fn packed(m: usize, i: usize, j: usize) -> usize {
     // Wrapping, so that a build with overflow checks has no panic here; no sum wraps for i < j < m.
@@ -36,14 +36,14 @@ pub fn pairs<A, B>(a: impl IntoIterator<Item = A>, b: impl IntoIterator<Item = B
     core::iter::from_fn(move || Some((a.next()?, b.next()?)))
 }
 
-/// Elements with their places. A count as by `enumerate` would be checked for overflow in a build with such checks.
+/// Elements with their indices. A count as by `enumerate` would be checked for overflow in a build with such checks.
 #[inline(always)]
 pub fn numbered<T>(list: impl IntoIterator<Item = T>) -> impl Iterator<Item = (usize, T)> {
     let mut next = 0_usize;
     list.into_iter().map(move |element| {
-        let place = next;
-        next = place.wrapping_add(1);
-        (place, element)
+        let index = next;
+        next = index.wrapping_add(1);
+        (index, element)
     })
 }
 

@@ -19,7 +19,7 @@
 
 use super::problem::is_excited;
 use super::triangle::{Row, Triangle};
-use super::weight::{Forgetting, Mass, PRIOR};
+use super::weight::{EffectiveRows, Forgetting, PRIOR};
 use crate::plan::{Array, Memory, Plan};
 
 /// Largest number of rows of a segment summed in one factor: more would cost accuracy in single precision.
@@ -149,13 +149,13 @@ impl<P: Plan> Sums<P> {
 
     /// The weight of the rows; `rows` is the number of rows of the open segment.
     #[inline(always)]
-    pub fn mass(&self, memory: Memory, lambda: f32, rows: u32) -> Mass {
+    pub fn mass(&self, memory: Memory, lambda: f32, rows: u32) -> EffectiveRows {
         if memory != Memory::Fading {
-            return Mass { rows: rows as f32, spread: 1.0 };
+            return EffectiveRows { rows: rows as f32, spread: 1.0 };
         }
         // Σλᵏ = (1 − λⁿ)/(1 − λ) and Σλ²ᵏ = (1 − λ²ⁿ)/(1 − λ²), so their ratio is (1 + λⁿ)/(1 + λ).
         let left = 1.0 - self.faded_rows * (1.0 - lambda);
-        Mass { rows: self.faded_rows, spread: (1.0 + left) / (1.0 + lambda) }
+        EffectiveRows { rows: self.faded_rows, spread: (1.0 + left) / (1.0 + lambda) }
     }
 
     /// Starts a segment: fading memory continues, other sums start empty.

@@ -16,4 +16,4 @@ pub use memory::{MAX_LAMBDA, MAX_SEGMENT_ROWS, Sums, longest};
 pub use problem::{Problem, SolveError, Solved, lower};
 pub use solve::Solution;
 pub use triangle::{Row, Triangle};
-pub use weight::{Forgetting, Mass, NEVER};
+pub use weight::{EffectiveRows, Forgetting, NEVER};

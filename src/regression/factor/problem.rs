@@ -4,7 +4,7 @@
 
 use super::kernels::{packed, pairs};
 use super::slices::minus;
-use super::weight::{Mass, PRIOR};
+use super::weight::{EffectiveRows, PRIOR};
 
 /// A pivot below this part of its column's sum of squares is rounding, not excitation: rounding of exactly dependent
 /// columns leaves 1e-13 to 4e-10, a δ-form regression of condition number 2.4e3 has 1.7e-7.
@@ -25,7 +25,7 @@ pub struct Problem<'a> {
     /// δ-parameters with which the target was predicted; empty for none.
     pub base: &'a [f32],
     /// Weight of the rows.
-    pub mass: Mass,
+    pub mass: EffectiveRows,
     /// Steady-state gain |A(1)| of the prefilter.
     pub gain: f32,
 }
@@ -68,7 +68,7 @@ impl Problem<'_> {
 
     /// Place in the estimate of the parameter of column i: outputs come first.
     #[inline(always)]
-    pub(crate) const fn place(&self, i: usize) -> usize {
+    pub(crate) const fn index(&self, i: usize) -> usize {
         if i < self.inputs { self.outputs.wrapping_add(i) } else { i.wrapping_sub(self.inputs) }
     }
 
@@ -79,8 +79,8 @@ impl Problem<'_> {
     }
 
     #[inline(always)]
-    pub(super) fn scale_of(&self, place: usize) -> f32 {
-        self.scale.get(place).copied().unwrap_or(1.0)
+    pub(super) fn scale_of(&self, index: usize) -> f32 {
+        self.scale.get(index).copied().unwrap_or(1.0)
     }
 
     /// Whether instrument column j is, beyond rounding, independent of the columns before it and not zero.
@@ -128,12 +128,12 @@ pub(super) fn is_excited((d, r): (&[f32], &[f32]), columns: usize, j: usize) -> 
 /// `sum` + Σ d(i) R(i, first + j)² over the j rows from `first` on.
 #[inline(never)]
 fn above((d, r): (&[f32], &[f32]), columns: usize, [first, j]: [usize; 2], mut sum: f32) -> f32 {
-    let (mut place, mut step) = (packed(columns, first, first.wrapping_add(j)), columns.wrapping_sub(first));
+    let (mut index, mut step) = (packed(columns, first, first.wrapping_add(j)), columns.wrapping_sub(first));
     for (_, d) in pairs(0..j, d.get(first..).unwrap_or(&[])) {
         step = step.wrapping_sub(1);
-        let r = r.get(place).copied().unwrap_or(0.0);
+        let r = r.get(index).copied().unwrap_or(0.0);
         sum += d * r * r;
-        place = place.wrapping_add(step).wrapping_sub(1);
+        index = index.wrapping_add(step).wrapping_sub(1);
     }
     sum
 }

@@ -39,8 +39,8 @@ pub(super) fn copy(cells: &mut [f32], from: &[f32]) {
 }
 
 #[inline(always)]
-pub(super) fn put(cells: &mut [f32], place: usize, value: f32) {
-    if let Some(cell) = cells.get_mut(place) {
+pub(super) fn put(cells: &mut [f32], index: usize, value: f32) {
+    if let Some(cell) = cells.get_mut(index) {
         *cell = value;
     }
 }

@@ -49,7 +49,7 @@ impl Solution {
         }
         // The columns that must be independent are those of the instruments, the first n.
         if let Some(k) = (0..n).find(|k| !problem.excites(*k)) {
-            return Err(SolveError::NotExcited(problem.place(k)));
+            return Err(SolveError::NotExcited(problem.index(k)));
         }
         // By least squares nothing is between the columns of inputs and target.
         if INSTRUMENTS && problem.outputs > 0 {
@@ -66,10 +66,10 @@ impl Solution {
         // Scaled problem: (y s_y) = (φ s) θ', so θ = θ' s/s_y.
         let common = problem.common();
         for k in 0..n {
-            let place = if INSTRUMENTS { problem.place(k) } else { k };
+            let index = if INSTRUMENTS { problem.index(k) } else { k };
             let theta = solved.work.get(k).copied().unwrap_or(0.0);
-            let base = problem.base.get(place).copied().unwrap_or(0.0);
-            put(solved.delta, place, base + theta * problem.scale_of(place) * common);
+            let base = problem.base.get(index).copied().unwrap_or(0.0);
+            put(solved.delta, index, base + theta * problem.scale_of(index) * common);
         }
         Ok(solution)
     }
@@ -131,12 +131,12 @@ fn add_products<const INSTRUMENTS: bool>(problem: &Problem<'_>, solved: &mut Sol
     }
     let output = i.wrapping_sub(inputs);
     // Down a column of the triangle, whose rows grow.
-    let (mut place, mut step) = (lower(outputs, output), outputs);
+    let (mut index, mut step) = (lower(outputs, output), outputs);
     for v in work.get(..inputs).unwrap_or(&[]) {
-        let Some(cell) = cells.get_mut(place) else { break };
+        let Some(cell) = cells.get_mut(index) else { break };
         *cell += weighted * v;
         step = step.wrapping_add(1);
-        place = place.wrapping_add(step);
+        index = index.wrapping_add(step);
     }
     let outputs = work.get(inputs..i.wrapping_add(1)).unwrap_or(&[]);
     add(cells.get_mut(lower(output, 0)..).unwrap_or_default(), outputs, weighted);

@@ -70,7 +70,7 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
     #[inline(always)]
     fn rotate<const FORGET: bool>(&mut self, row: &[f32], forgetting: Forgetting) {
         let (d, r) = (self.d.cells_mut(), self.r.cells_mut());
-        let straight = D::STRAIGHT && kernels::rotate_straight::<FORGET>(d, r, row, forgetting);
+        let straight = D::UNROLL && kernels::rotate_straight::<FORGET>(d, r, row, forgetting);
         if !straight {
             let mut x = D::from_fn(d.len(), |k| row.get(k).copied().unwrap_or(0.0));
             kernels::rotate_loop::<FORGET>(d, r, x.cells_mut(), forgetting);

@@ -20,7 +20,7 @@ pub struct Forgetting {
 /// The weight of the rows in a factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Mass {
+pub struct EffectiveRows {
     /// Σλᵏ: the equivalent number of rows of full weight.
     pub rows: f32,
     /// Σλ²ᵏ/Σλᵏ: the factor by which fading changes a covariance.

@@ -9,7 +9,7 @@ mod solve;
 mod state_variable;
 
 pub use friction::{Friction, Parameter};
-pub use rows::{Balance, LEAST_FROM_ROWS, TERMS, Torques};
+pub use rows::{LEAST_FROM_ROWS, TERMS, TorqueBalance, Torques};
 pub use state_variable::StateVariable;
 pub(super) use {
     rows::{BalanceState, BalanceSums, Frictions},

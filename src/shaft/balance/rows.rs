@@ -17,7 +17,7 @@
 //! follows the velocity. The current is the output because the load is usually known better; therefore all parameters
 //! are in amperes.
 //!
-//! Each segment starts from a weak prior, the healthy parameters with [`Balance::prior`] as their deviations, as if
+//! Each segment starts from a weak prior, the healthy parameters with [`TorqueBalance::prior`] as their deviations, as if
 //! earlier rows had given them. A parameter that the motion does not excite keeps its prior: at constant speed p₁ and
 //! p₂ cannot be separated, their deviations are large, and their errors cancel in (4). A prior draws its parameter
 //! towards the healthy value; for features of a classifier its effect is removed:
@@ -32,7 +32,7 @@
 //! A row is rotated into the sums one pivot a sample, or more if rows are less than eight samples apart, so that the
 //! work is distributed. After every [`ROWS_A_REFRESH`] rows the time of one row is used for a back substitution, as
 //! many parameters a sample as pivots: the present parameters then follow the segment. If the nominal parameters fit
-//! better than an estimate of a part of a segment, they are kept ([`Balance::own_from_rows`]).
+//! better than an estimate of a part of a segment, they are kept ([`TorqueBalance::adapt_after_rows`]).
 //!
 //! `cargo xtask measure` prints instructions and state of a detector with it.
 
@@ -41,7 +41,7 @@ use super::state_variable::{Cell, StateVariable};
 use crate::reason::FrictionTerm;
 use crate::regression::factor::NEVER;
 use crate::regression::factor::kernels::{packed, pairs, rotate_pivot, rotate_pivot_small};
-use crate::unroll::rolled;
+use crate::unroll::no_unroll;
 
 /// Number of parameters of (1).
 pub const TERMS: usize = 7;
@@ -60,7 +60,7 @@ const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];
 /// Constants of the torque balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Balance {
+pub struct TorqueBalance {
     /// Sampling interval Ts.
     pub interval_s: f32,
     /// The low-pass before the rows of (1).
@@ -92,7 +92,7 @@ pub struct Balance {
     pub largest_change_rad: f32,
     /// Number of rows of a segment after which the residual of the orders is formed with the segment's own parameters;
     /// until then it is formed with those of the segment before. With 65535 it is always formed with the nominal ones.
-    pub own_from_rows: u16,
+    pub adapt_after_rows: u16,
 }
 
 /// The signals of the balance at one instant.
@@ -115,7 +115,7 @@ pub(in crate::shaft) struct Frictions {
     pub stribeck: f32,
 }
 
-impl Balance {
+impl TorqueBalance {
     /// n of a parameter, or of the drag (4).
     pub(crate) fn nominal_of(&self, term: FrictionTerm) -> f32 {
         let drag = || pairs(self.in_drag(), &self.nominal).map(|(weight, nominal)| weight * nominal).sum();
@@ -202,7 +202,7 @@ pub struct BalanceSums {
 
 impl BalanceSums {
     /// Holds the prior only.
-    pub(in crate::shaft) fn new(balance: &Balance, load: bool) -> Self {
+    pub(in crate::shaft) fn new(balance: &TorqueBalance, load: bool) -> Self {
         let mut sums = Self::EMPTY;
         sums.clear(balance, load);
         sums
@@ -213,9 +213,9 @@ impl BalanceSums {
 
     /// Keeps the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
     #[inline(never)]
-    pub(in crate::shaft) fn clear(&mut self, balance: &Balance, load: bool) {
+    pub(in crate::shaft) fn clear(&mut self, balance: &TorqueBalance, load: bool) {
         *self = Self::EMPTY;
-        let (terms, target) = (rolled(Balance::terms(load)), balance.scale_of(TERMS));
+        let (terms, target) = (no_unroll(TorqueBalance::terms(load)), balance.scale_of(TERMS));
         let mut k = 0_usize;
         for &term in terms {
             let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
@@ -271,13 +271,13 @@ impl BalanceSums {
     pub(in crate::shaft) fn explained(&self, load: bool) -> f32 {
         let last = columns(load).wrapping_sub(1);
         // r is stored by rows, each one element shorter than the one before: these are the last ones.
-        let (mut k, mut place, mut sum) = (0_usize, last, 0.0);
+        let (mut k, mut index, mut sum) = (0_usize, last, 0.0);
         while k < last {
-            let (d, r) = (self.d.get(k).copied(), self.r.get(place.wrapping_sub(1)).copied());
+            let (d, r) = (self.d.get(k).copied(), self.r.get(index.wrapping_sub(1)).copied());
             let r = r.unwrap_or(0.0);
             sum += d.unwrap_or(0.0) * r * r;
-            k = rolled(k.wrapping_add(1));
-            place = place.wrapping_add(last).wrapping_sub(k);
+            k = no_unroll(k.wrapping_add(1));
+            index = index.wrapping_add(last).wrapping_sub(k);
         }
         sum / self.d.get(last).copied().unwrap_or(0.0)
     }
@@ -285,7 +285,7 @@ impl BalanceSums {
     /// Whether the shaft hardly moved: the mean square of the filtered sign (2) of the velocity over the rows is below
     /// that of a fifth of `ω_r`, which is more than the noise of the velocity leaves of it behind the filter.
     #[inline(never)]
-    pub(in crate::shaft) fn is_at_rest(&self, balance: &Balance, load: bool) -> bool {
+    pub(in crate::shaft) fn is_at_rest(&self, balance: &TorqueBalance, load: bool) -> bool {
         const SIGN: usize = 2;
         let columns = columns(load);
         // The sum of squares of a column by the factor, less the weight of its prior.
@@ -338,7 +338,7 @@ pub struct BalanceState {
 }
 
 impl BalanceState {
-    pub(in crate::shaft) fn new(balance: &Balance) -> Self {
+    pub(in crate::shaft) fn new(balance: &TorqueBalance) -> Self {
         let cell = Cell::at(0.0);
         Self {
             current: cell,
@@ -359,7 +359,7 @@ impl BalanceState {
     /// The first sample, or the first after a long gap: all filters start at rest on it.
     #[cold]
     #[inline(never)]
-    pub(in crate::shaft) fn start(&mut self, balance: &Balance, now: &Torques) {
+    pub(in crate::shaft) fn start(&mut self, balance: &TorqueBalance, now: &Torques) {
         let Frictions { sign, load, stribeck } = balance.frictions(now);
         self.current = Cell::at(now.current_a);
         self.velocity = Cell::at(now.velocity_rad_s);
@@ -375,7 +375,7 @@ impl BalanceState {
     pub(in crate::shaft) fn step(
         &mut self,
         sums: &mut BalanceSums,
-        (balance, load): (&Balance, bool),
+        (balance, load): (&TorqueBalance, bool),
         now: &Torques,
         frictions: &Frictions,
         good: bool,
@@ -406,7 +406,7 @@ impl BalanceState {
         self.refresh = self.refresh.wrapping_sub(1);
         if self.refresh == 0 {
             self.refresh = ROWS_A_REFRESH;
-            if sums.rows >= u32::from(balance.own_from_rows) && balance.own_from_rows < u16::MAX {
+            if sums.rows >= u32::from(balance.adapt_after_rows) && balance.adapt_after_rows < u16::MAX {
                 self.left = columns(load).wrapping_sub(1);
             }
         } else if good {
@@ -420,7 +420,7 @@ impl BalanceState {
 
     /// A parameter of the back substitution, or more where rows are close; with the last one they hold.
     #[inline(never)]
-    fn substitute(&mut self, sums: &BalanceSums, balance: &Balance, load: bool) {
+    fn substitute(&mut self, sums: &BalanceSums, balance: &TorqueBalance, load: bool) {
         for _ in 0..self.pivots {
             if self.left > 0 {
                 self.substitute_one(sums, balance, load);
@@ -429,8 +429,8 @@ impl BalanceState {
     }
 
     #[inline(always)]
-    fn substitute_one(&mut self, sums: &BalanceSums, balance: &Balance, load: bool) {
-        let (columns, terms) = (columns(load), Balance::terms(load));
+    fn substitute_one(&mut self, sums: &BalanceSums, balance: &TorqueBalance, load: bool) {
+        let (columns, terms) = (columns(load), TorqueBalance::terms(load));
         let k = self.left.wrapping_sub(1);
         let value = sums.substitute(columns, k, self.scaled.get(self.left..terms.len()).unwrap_or(&[]));
         if let Some(cell) = self.scaled.get_mut(k) {
@@ -439,7 +439,7 @@ impl BalanceState {
         self.left = k;
         if k == 0 {
             let target = balance.scale_of(TERMS);
-            for (&term, scaled) in pairs(rolled(terms), &self.scaled) {
+            for (&term, scaled) in pairs(no_unroll(terms), &self.scaled) {
                 if let Some(cell) = self.present.get_mut(term) {
                     *cell = scaled * balance.scale_of(term) / target;
                 }
@@ -460,7 +460,7 @@ impl BalanceState {
 
     /// Lets a new segment start afresh, with the nominal parameters.
     #[inline(always)]
-    pub(in crate::shaft) const fn renew(&mut self, balance: &Balance) {
+    pub(in crate::shaft) const fn renew(&mut self, balance: &TorqueBalance) {
         (self.due, self.present) = (0, balance.nominal);
     }
 }

@@ -4,14 +4,14 @@
 //! [`super::balance`].
 
 use super::friction::{Friction, Parameter};
-use super::rows::{Balance, BalanceSums, TERMS, columns};
+use super::rows::{BalanceSums, TERMS, TorqueBalance, columns};
 use crate::reason::{FrictionTerm, Part, Reason};
 use crate::regression::factor::kernels::pairs;
-use crate::regression::factor::{Mass, Problem, Solution, SolveError, Solved, lower};
+use crate::regression::factor::{EffectiveRows, Problem, Solution, SolveError, Solved, lower};
 
 const COVARIANCE: usize = TERMS * (TERMS + 1) / 2;
 
-/// The parameters that are estimated, in the order of [`Balance::terms`], and the solve under way.
+/// The parameters that are estimated, in the order of [`TorqueBalance::terms`], and the solve under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Estimated {
@@ -40,7 +40,7 @@ impl Estimated {
     #[inline(never)]
     pub(in crate::shaft) fn solve(
         &mut self,
-        balance: &Balance,
+        balance: &TorqueBalance,
         load: bool,
         sums: &mut BalanceSums,
     ) -> Result<(), Reason> {
@@ -57,7 +57,7 @@ impl Estimated {
 
     /// Computes the covariance.
     #[inline(never)]
-    pub(in crate::shaft) fn correlate(&mut self, balance: &Balance, load: bool, sums: &mut BalanceSums) {
+    pub(in crate::shaft) fn correlate(&mut self, balance: &TorqueBalance, load: bool, sums: &mut BalanceSums) {
         let mut solution = self.solution;
         self.with(balance, load, sums, |problem, solved| while !solution.add_column::<false>(problem, solved) {});
     }
@@ -66,7 +66,7 @@ impl Estimated {
     #[inline(always)]
     fn with<R>(
         &mut self,
-        balance: &Balance,
+        balance: &TorqueBalance,
         load: bool,
         sums: &mut BalanceSums,
         step: impl FnOnce(&mut Problem<'_>, &mut Solved<'_>) -> R,
@@ -81,7 +81,7 @@ impl Estimated {
             outputs: 0,
             scale: if load { &balance.scale } else { &without },
             base: &[],
-            mass: Mass { rows: sums.rows as f32, spread: balance.row_spread },
+            mass: EffectiveRows { rows: sums.rows as f32, spread: balance.row_spread },
             gain: 1.0,
         };
         let solved = &mut Solved {
@@ -98,7 +98,12 @@ impl Estimated {
     /// # Errors
     /// [`Reason::NotFinite`].
     #[inline(never)]
-    pub(in crate::shaft) fn friction(&self, balance: &Balance, load: bool, rows: u32) -> Result<Friction, Reason> {
+    pub(in crate::shaft) fn friction(
+        &self,
+        balance: &TorqueBalance,
+        load: bool,
+        rows: u32,
+    ) -> Result<Friction, Reason> {
         let at = |k: usize| self.parameter(balance, load, k);
         let friction = Friction {
             inertia: at(0),
@@ -126,8 +131,8 @@ impl Estimated {
     /// J is the sum of squares of residual and prior, C the covariance, m the rows per independent row, and 25 five
     /// standard deviations of a likelihood ratio.
     #[inline(never)]
-    pub(in crate::shaft) fn is_opposed(&self, balance: &Balance, rows: u32) -> bool {
-        let terms = Balance::terms(false);
+    pub(in crate::shaft) fn is_opposed(&self, balance: &TorqueBalance, rows: u32) -> bool {
+        let terms = TorqueBalance::terms(false);
         let pull = |k: usize| {
             let term = terms.get(k).copied().unwrap_or(0);
             let of = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
@@ -149,16 +154,16 @@ impl Estimated {
 
     /// The k-th parameter that is estimated.
     #[inline(never)]
-    fn parameter(&self, balance: &Balance, load: bool, k: usize) -> Parameter {
-        let term = Balance::terms(load).get(k).copied().unwrap_or(0);
+    fn parameter(&self, balance: &TorqueBalance, load: bool, k: usize) -> Parameter {
+        let term = TorqueBalance::terms(load).get(k).copied().unwrap_or(0);
         let nominal = balance.nominal.get(term).copied().unwrap_or(1.0);
         let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
         parameter(self.delta.get(k).copied().unwrap_or(0.0), variance, nominal)
     }
 
     /// The drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
-    fn drag(&self, balance: &Balance, load: bool) -> Parameter {
-        let (weights, terms) = (balance.in_drag(), Balance::terms(load));
+    fn drag(&self, balance: &TorqueBalance, load: bool) -> Parameter {
+        let (weights, terms) = (balance.in_drag(), TorqueBalance::terms(load));
         let weight = |term: usize| weights.get(term).copied().unwrap_or(0.0);
         let (mut value, mut nominal, mut variance) = (0.0, 0.0, 0.0);
         for (k, (&term, delta)) in pairs(0..usize::MAX, pairs(terms, &self.delta)) {
@@ -187,8 +192,8 @@ fn reason(error: SolveError, load: bool, rows: u32) -> Reason {
     match error {
         SolveError::TooFewRows => Reason::TooFewRows { part: Part::TorqueBalance, rows },
         SolveError::WeakInstruments => Reason::WeakInstruments(Part::TorqueBalance),
-        SolveError::NotExcited(place) => {
-            let term = Balance::terms(load).get(place).and_then(|&term| FrictionTerm::ALL.get(term));
+        SolveError::NotExcited(index) => {
+            let term = TorqueBalance::terms(load).get(index).and_then(|&term| FrictionTerm::ALL.get(term));
             Reason::TermNotExcited(term.copied().unwrap_or(FrictionTerm::Offset))
         }
     }
@@ -199,7 +204,7 @@ mod tests {
     use super::*;
     use crate::shaft::balance::{BalanceState, StateVariable, Torques};
 
-    fn solve(balance: &Balance, load: bool, sums: &mut BalanceSums) -> Result<Friction, Reason> {
+    fn solve(balance: &TorqueBalance, load: bool, sums: &mut BalanceSums) -> Result<Friction, Reason> {
         let mut estimated = Estimated::NONE;
         estimated.solve(balance, load, sums)?;
         estimated.correlate(balance, load, sums);
@@ -209,8 +214,8 @@ mod tests {
     /// p₀ … p₄ of the healthy shaft.
     const HEALTHY: [f32; 5] = [0.005, 0.002, 0.1, 20.0, 0.05];
 
-    const fn balance(row_interval: u8) -> Balance {
-        Balance {
+    const fn balance(row_interval: u8) -> TorqueBalance {
+        TorqueBalance {
             interval_s: 0.001,
             filter: StateVariable::new(0.05, 0.001),
             row_interval,
@@ -224,7 +229,7 @@ mod tests {
             nominal: [0.005, 0.002, 0.1, 20.0, 0.05, 0.0, 0.0],
             prior: [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1.0],
             deviation: 0.001,
-            own_from_rows: 48,
+            adapt_after_rows: 48,
             largest_change_rad: f32::INFINITY,
         }
     }
@@ -288,7 +293,7 @@ mod tests {
     /// Viscous friction without its prior, and its deviation, of rows ω, i = p₁ ω + p₄ with alternating errors, of a
     /// velocity that hardly varies.
     fn hardly_moving(viscous: f32, spread_rad_s: f32) -> (f32, f32) {
-        let balance = Balance { scale: [1.0; 8], deviation: 0.01, ..balance(8) };
+        let balance = TorqueBalance { scale: [1.0; 8], deviation: 0.01, ..balance(8) };
         let mut sums = BalanceSums::new(&balance, true);
         for k in 0..400_u16 {
             let sign = |bit: u16| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
@@ -316,7 +321,7 @@ mod tests {
     /// errors of 0.01 A.
     fn both_ways(rows: u16, load: bool) -> Result<Friction, Reason> {
         let prior = [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1e-3];
-        let balance = Balance { scale: [1.0; 8], deviation: 0.01, row_spread: 2.0, prior, ..balance(8) };
+        let balance = TorqueBalance { scale: [1.0; 8], deviation: 0.01, row_spread: 2.0, prior, ..balance(8) };
         let mut sums = BalanceSums::new(&balance, load);
         for k in 0..rows {
             let sign = |bit: u16| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };

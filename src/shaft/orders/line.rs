@@ -5,7 +5,7 @@
 use super::blocks::LAGS;
 use super::phasor::phasor;
 use crate::plan::MAX_HARMONICS;
-use crate::unroll::rolled;
+use crate::unroll::no_unroll;
 
 /// Sums of one order over the blocks of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub(super) struct Last<'a> {
     /// How many there are.
     pub held: usize,
     /// Where the block is kept.
-    pub place: usize,
+    pub index: usize,
     /// Whether the block there is of the same passage and grows by this one.
     pub continues: bool,
 }
@@ -99,7 +99,7 @@ impl Line {
         let own_weight = if h == 0 { w } else { 0.0 };
         let [square, pairs @ ..] = &mut sums.pairs;
         *square += own_weight * own_weight;
-        let blocks = rolled(history.as_slice()).iter().zip(last.cells).zip(&self.weights);
+        let blocks = no_unroll(history.as_slice()).iter().zip(last.cells).zip(&self.weights);
         let filled = blocks.take(last.held);
         for ((&[hx, hy], &other), &other_weight) in filled {
             let (real, imaginary) = (x * hx + y * hy, y * hx - x * hy);
@@ -116,12 +116,12 @@ impl Line {
                 *pair += own_weight * other_weight; // (5)
             }
         }
-        if let Some([hx, hy]) = history.get_mut(last.place) {
+        if let Some([hx, hy]) = history.get_mut(last.index) {
             let [kept_x, kept_y] = if last.continues { [*hx, *hy] } else { [0.0; 2] };
             (*hx, *hy) = (kept_x + x, kept_y + y);
         }
         if h == 0
-            && let Some(cell) = self.weights.get_mut(last.place)
+            && let Some(cell) = self.weights.get_mut(last.index)
         {
             *cell = if last.continues { *cell + w } else { w };
         }

@@ -36,9 +36,9 @@ const fn sine() -> [f32; POINTS + POINTS / 4] {
 /// ```
 #[inline(always)]
 pub(super) fn phasor(bits: u32) -> (f32, f32) {
-    let place = (bits.wrapping_add(0x0200_0000) >> 26) as usize;
-    let entry = |place: usize| SINE.get(place).copied().unwrap_or(0.0);
-    let (sin, cos) = (entry(place), entry(place.wrapping_add(POINTS / 4)));
+    let index = (bits.wrapping_add(0x0200_0000) >> 26) as usize;
+    let entry = |index: usize| SINE.get(index).copied().unwrap_or(0.0);
+    let (sin, cos) = (entry(index), entry(index.wrapping_add(POINTS / 4)));
     let t = (bits << 6).cast_signed() as f32 * (PI / 2_147_483_648.0 / 64.0);
     let less = 1.0 - 0.5 * t * t;
     (less * cos - t * sin, less * sin + t * cos)

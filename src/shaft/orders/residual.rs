@@ -21,7 +21,7 @@
 //! noise; with ω(k) alone (2) would have a mean.
 
 use super::blocks::Blocks;
-use crate::shaft::balance::{Balance, Frictions, TERMS, Torques};
+use crate::shaft::balance::{Frictions, TERMS, TorqueBalance, Torques};
 
 /// The filter (3) and (4).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +73,7 @@ impl ResidualState {
     #[inline(always)]
     pub(in crate::shaft) fn step(
         &mut self,
-        balance: &Balance,
+        balance: &TorqueBalance,
         blocks: &Blocks,
         p: &[f32; TERMS],
         now: &Torques,

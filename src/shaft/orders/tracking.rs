@@ -32,7 +32,7 @@ use super::residual::Residual;
 use super::response::Response;
 use crate::plan::{Array, Cells, Plan};
 use crate::reason::{Part, Reason};
-use crate::unroll::rolled;
+use crate::unroll::no_unroll;
 
 /// b and W of a control order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -94,7 +94,7 @@ impl<P: Plan> Passage<P> {
 /// The `second` part, or the first. Hidden from the compiler, which would choose the place of each sum again.
 #[inline(always)]
 fn part<P: Plan>([one, other]: &mut [Passage<P>; 2], second: bool) -> &mut Passage<P> {
-    rolled(if second { other } else { one })
+    no_unroll(if second { other } else { one })
 }
 
 /// A step of which the orders are still to be added.
@@ -131,7 +131,7 @@ pub struct OrderTracking<P: Plan> {
     cells: [i32; LAGS],
     held: u8,
     /// Place of the next block among them.
-    place: u8,
+    index: u8,
     /// Whether the newest of them grows by the next part.
     continues: bool,
     /// The cell that closes, G and mean Δ, whether the cell goes on, and the next item to close: orders times
@@ -192,7 +192,7 @@ impl<P: Plan> OrderTracking<P> {
             travelled: 0,
             cells: [0; LAGS],
             held: 0,
-            place: 0,
+            index: 0,
             continues: false,
             closing_cell: 0,
             closing_square: 0.0,
@@ -312,11 +312,11 @@ impl<P: Plan> OrderTracking<P> {
         let turned = i64::from(self.closing_turned).wrapping_mul(times as i64);
         let response = Response::at(&tracking.blocks, phase(order, turned), halved);
         let weight = response.power * self.closing_square; // (3)
-        let (held, place) = ((self.held as usize).min(LAGS), self.place_of_block());
+        let (held, index) = ((self.held as usize).min(LAGS), self.place_of_block());
         let part = part(&mut self.parts, !self.second);
         if let Some(sum) = part.lines.cells_mut().get_mut(line).and_then(|line| line.get_mut(h)) {
             let block = response.correct(core::mem::take(sum));
-            let last = Last { cells: &self.cells, held, place, continues: self.continues };
+            let last = Last { cells: &self.cells, held, index, continues: self.continues };
             let lines = (self.lines.cells_mut().get_mut(line), sums.lines.cells_mut().get_mut(line));
             if let (Some(line), Some(sums)) = lines {
                 line.close(sums, h, (block, weight), (self.closing_cell, last));
@@ -344,18 +344,18 @@ impl<P: Plan> OrderTracking<P> {
     /// Where the block that closes is kept.
     #[inline(always)]
     fn place_of_block(&self) -> usize {
-        let newest = if self.place == 0 { PLACES.wrapping_sub(1) } else { self.place.wrapping_sub(1) };
-        if self.continues { newest as usize } else { self.place as usize }
+        let newest = if self.index == 0 { PLACES.wrapping_sub(1) } else { self.index.wrapping_sub(1) };
+        if self.continues { newest as usize } else { self.index as usize }
     }
 
     /// Ends the closing of a block.
     #[inline(always)]
     fn keep_block(&mut self, blocks: &mut u32) {
         if !self.continues {
-            if let Some(cell) = self.cells.get_mut(self.place as usize) {
+            if let Some(cell) = self.cells.get_mut(self.index as usize) {
                 *cell = self.closing_cell;
             }
-            self.place = self.place.wrapping_add(1) % PLACES;
+            self.index = self.index.wrapping_add(1) % PLACES;
             self.held = self.held.saturating_add(1).min(PLACES);
             *blocks = blocks.saturating_add(1);
         }
@@ -370,7 +370,7 @@ impl<P: Plan> OrderTracking<P> {
             part.clear();
         }
         (self.open, self.excited) = ([Control::default(); CONTROLS], Excited::default());
-        (self.held, self.place, self.continues, self.closing) = (0, 0, false, IDLE);
+        (self.held, self.index, self.continues, self.closing) = (0, 0, false, IDLE);
     }
 
     /// Lets a new segment start afresh: the phases of the orders may start anywhere.

@@ -12,8 +12,8 @@ fn plan(decimation: u8) -> RunTime {
     RunTime::of(layout).unwrap()
 }
 
-pub fn balance() -> Balance {
-    Balance {
+pub fn balance() -> TorqueBalance {
+    TorqueBalance {
         interval_s: 0.001,
         filter: StateVariable::new(0.05, 0.001),
         row_interval: 4,
@@ -27,7 +27,7 @@ pub fn balance() -> Balance {
         nominal: [0.005, 0.002, 0.1, 20.0, 0.05, 0.0, 0.0],
         prior: [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1.0],
         deviation: 0.001,
-        own_from_rows: 48,
+        adapt_after_rows: 48,
         largest_change_rad: f32::INFINITY,
     }
 }
@@ -36,7 +36,7 @@ fn constants(current_lag: f32, decimation: u8) -> ShaftConstants<RunTime> {
     let mut balance = balance();
     if decimation == 2 {
         let filter = StateVariable::new(0.1, 0.002);
-        balance = Balance { interval_s: 0.002, filter, row_interval: 2, settle: 25, ..balance };
+        balance = TorqueBalance { interval_s: 0.002, filter, row_interval: 2, settle: 25, ..balance };
     }
     let tracking = Tracking { orders: vec![], blocks: Blocks::EMPTY };
     ShaftConstants { lags: Lags { current: current_lag, ..Lags::default() }, balance, tracking }
@@ -190,7 +190,7 @@ fn no_order_contains_what_replaces_a_lost_sample() {
         let mut constants = constants(lag, 2);
         constants.tracking.orders = vec![TrackedOrder::new(3.7, [1.0; 3])];
         // The balance's filters remember the sample, the nominal parameters do not.
-        constants.balance.own_from_rows = u16::MAX;
+        constants.balance.adapt_after_rows = u16::MAX;
         let sums = |held: f32| {
             let (mut shaft, mut sums) = (Shaft::new(plan, &constants), ShaftSums::new(plan, &constants));
             for k in 0..600_u32 {
@@ -199,8 +199,8 @@ fn no_order_contains_what_replaces_a_lost_sample() {
                 let sample = RunTimeSample { values, angle: Angle::from_radians(30.0 * t) };
                 shaft.step(&mut sums, plan, &constants, (&sample, k != at));
                 if k == at {
-                    let place = usize::from(shaft.place);
-                    for cell in [place, place + usize::from(FILTERED_RING)] {
+                    let index = usize::from(shaft.index);
+                    for cell in [index, index + usize::from(FILTERED_RING)] {
                         if let Some(moment) = shaft.ring.cells_mut().get_mut(cell) {
                             moment.torques.current_a += held;
                         }

@@ -3,7 +3,7 @@
 /// A signal of [`SegmentFrame`](super::SegmentFrame): unsigned, little-endian, with an offset of 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Signal {
+pub struct CanSignal {
     /// Name in the DBC file.
     pub name: &'static str,
     /// Place of its lowest bit.
@@ -18,7 +18,7 @@ pub struct Signal {
     pub about: &'static str,
 }
 
-impl Signal {
+impl CanSignal {
     pub(super) const fn of(name: &'static str, start: u8, length: u8, about: &'static str) -> Self {
         Self { name, start, length, factor: 1.0, unit: "", about }
     }

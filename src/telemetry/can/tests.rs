@@ -1,11 +1,11 @@
 use super::*;
-use crate::reason::{FrictionTerm, Implausible, Kernel, Obstacle, Part};
+use crate::reason::{ArithmeticFault, FrictionTerm, Implausible, Obstacle, Part};
 use crate::tests::{Drive, MODEL, SAMPLES, report, samples};
 use std::string::String;
 use std::vec::Vec;
 
-fn frame(segment: u8, verdict: u8, reason: u8, place: u8) -> Option<SegmentFrame> {
-    SegmentFrame::from_bytes([segment, verdict, reason, place, 0, 0, 0, 0])
+fn frame(segment: u8, verdict: u8, reason: u8, index: u8) -> Option<SegmentFrame> {
+    SegmentFrame::from_bytes([segment, verdict, reason, index, 0, 0, 0, 0])
 }
 
 #[test]
@@ -23,7 +23,7 @@ fn each_bit_belongs_to_one_signal_and_the_documented_table_has_them() {
         .take_while(|line| !line.contains("```"))
         .map(|line| line[4..42].split_whitespace().map(String::from).collect())
         .collect();
-    let signals = SegmentFrame::SIGNALS.map(|Signal { name, start, length, factor, unit, .. }| {
+    let signals = SegmentFrame::SIGNALS.map(|CanSignal { name, start, length, factor, unit, .. }| {
         let cells =
             [name.into(), std::format!("{start}"), std::format!("{length}"), std::format!("{factor}"), unit.into()];
         cells.into_iter().filter(|cell: &String| !cell.is_empty()).collect::<Vec<_>>()
@@ -68,8 +68,8 @@ fn every_pattern_is_read_or_refused_and_the_read_ones_are_written_again() {
     let (mut read, mut refused) = (0, 0);
     for verdict in 0..=u8::MAX {
         for reason in 0..=u8::MAX {
-            for place in [0, 1, 4, 7, 11, 255] {
-                let bytes = [verdict.wrapping_mul(37), verdict, reason, place, reason, verdict, 100, place];
+            for index in [0, 1, 4, 7, 11, 255] {
+                let bytes = [verdict.wrapping_mul(37), verdict, reason, index, reason, verdict, 100, index];
                 let Some(frame) = SegmentFrame::from_bytes(bytes) else {
                     refused += 1;
                     continue;
@@ -102,12 +102,12 @@ fn every_reason_comes_back_without_its_rows_and_has_a_name() {
         .chain([Reason::OutOfRange { covariate: 9 }])
         .chain(FrictionTerm::ALL.map(Reason::TermNotExcited))
         .chain(Implausible::ALL.map(Reason::Implausible))
-        .chain(Kernel::ALL.map(Reason::Arithmetic))
+        .chain(ArithmeticFault::ALL.map(Reason::Arithmetic))
         .chain(Obstacle::ALL.map(Reason::Unseen));
     let mut kinds = Vec::new();
     for reason in all {
         let code = reason.code();
-        assert_eq!(frame(9, 0, code.kind, code.place).unwrap().verdict(), Verdict::Undetermined(reason));
+        assert_eq!(frame(9, 0, code.kind, code.index).unwrap().verdict(), Verdict::Undetermined(reason));
         kinds.push(usize::from(code.kind));
     }
     for (kind, name) in SegmentFrame::REASONS.iter().enumerate() {
@@ -136,7 +136,7 @@ fn a_report_gives_its_frame() {
     }
     assert_eq!(SegmentFrame::of(&MODEL, &report, &evidence).distance(), 3.25);
     // Withdrawn: the same number, another verdict.
-    report.doubt();
+    report.withdraw();
     let mut evidence = Evidence::new(&MODEL);
     evidence.observe_outcome(report.outcome());
     let withdrawn = SegmentFrame::of(&MODEL, &report, &evidence);

@@ -1,9 +1,9 @@
 //! A plan whose layout is drawn at run time, without an allocator, and random models of it.
 
 use bearing_watch::model::{
-    Background, Balance, Channel, Classifier, Constants, Covariate, Covariates, Direction, Directions, Discriminant,
+    Background, Channel, Classifier, Constants, Covariate, Covariates, Direction, Directions, Discriminant,
     EvidenceConstants, Feature, Forgetting, KNOTS, Label, Lags, Novelty, Projection, Regression, Sampling,
-    ShaftConstants, TrackedOrder, Tracking,
+    ShaftConstants, TorqueBalance, TrackedOrder, Tracking,
 };
 use bearing_watch::plan::{
     Bounds, Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
@@ -219,10 +219,10 @@ fn shaft(dice: &mut Dice, plan: AnyPlan) -> ShaftConstants<AnyPlan> {
     };
     ShaftConstants {
         lags: Lags { current: 2.0 + 2.0 * dice.unit(), velocity: 1.0 + dice.unit(), load: 1.5 + 1.5 * dice.unit() },
-        balance: Balance {
+        balance: TorqueBalance {
             settle: 16,
             row_interval: 2 + below(dice, 8),
-            own_from_rows: one_of(dice, [8, 48, u16::MAX]),
+            adapt_after_rows: one_of(dice, [8, 48, u16::MAX]),
             ..BALANCE
         },
         tracking: Tracking { orders: Cells::from_fn(plan.layout().orders(), |_| order(dice)), blocks: BLOCKS },

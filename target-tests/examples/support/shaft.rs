@@ -1,8 +1,8 @@
 //! Models that watch the shaft and its bearing, and a motion for them.
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Constants, EvidenceConstants, Feature, Lags, Regression, Sampling, ShaftConstants,
-    StateVariable, TERMS, TrackedOrder, Tracking, q16,
+    Blocks, Channel, Constants, EvidenceConstants, Feature, Lags, Regression, Sampling, ShaftConstants, StateVariable,
+    TERMS, TorqueBalance, TrackedOrder, Tracking, q16,
 };
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout};
 use bearing_watch::{Angle, FrictionTerm, Model};
@@ -108,7 +108,7 @@ const VELOCITY: Channel = Channel::within("velocity_rad_s", "rad/s", 500.0);
 const SAMPLING: Sampling = Sampling { interval_s: INTERVAL_S, park: None, block_mean: 1, segment_samples: 2000 };
 
 /// The torque balance.
-pub const BALANCE: Balance = Balance {
+pub const BALANCE: TorqueBalance = TorqueBalance {
     interval_s: INTERVAL_S,
     // 8 Hz.
     filter: StateVariable::new(0.050_307, INTERVAL_S),
@@ -124,13 +124,13 @@ pub const BALANCE: Balance = Balance {
     nominal: NOMINAL,
     prior: [5e-3, 0.02, 1.0, 20.0, 1.0, 10.0, 1.0],
     deviation: 0.1,
-    own_from_rows: 48,
+    adapt_after_rows: 48,
     largest_change_rad: f32::INFINITY,
 };
 
 /// The torque balance of each second sample, with a filter of 4 Hz and the same steps from row to row.
-pub const HALVED: Balance =
-    Balance { interval_s: 2.0 * INTERVAL_S, filter: StateVariable::new(0.050_307, 2.0 * INTERVAL_S), ..BALANCE };
+pub const HALVED: TorqueBalance =
+    TorqueBalance { interval_s: 2.0 * INTERVAL_S, filter: StateVariable::new(0.050_307, 2.0 * INTERVAL_S), ..BALANCE };
 
 /// The orders of outer ring, inner ring, ball and cage, all harmonics with the same weight.
 pub const ORDERS: [TrackedOrder; 4] = [

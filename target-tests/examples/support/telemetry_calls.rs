@@ -8,8 +8,8 @@ use core::hint::black_box as opaque;
 use bearing_watch::drive::{PhaseCounts, Position, RawSample};
 use bearing_watch::plan::Plan;
 use bearing_watch::telemetry::{
-    Block, Body, CanJoin, CanPiece, CanPieces, Contributions, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock,
-    RawEncoder, RawRecorder, Recorder, SegmentFrame, Signal, Source, Summary,
+    Block, Body, CanJoin, CanPiece, CanPieces, CanSignal, Contributions, Decoder, Encoder, Hello, LinkStats, Numbers,
+    RawBlock, RawEncoder, RawRecorder, Recorder, SegmentFrame, Source, Summary,
 };
 use bearing_watch::{Angle, Evidence, Model, Report};
 
@@ -45,7 +45,7 @@ pub fn on_can<P: Plan>(model: &Model<P>, report: &Report<P>, evidence: &Evidence
     opaque(SegmentFrame::verdict_number(opaque(SegmentFrame::verdict(frame))));
     opaque(SegmentFrame::alarm_number(opaque(SegmentFrame::alarm(frame))));
     for signal in &opaque(SegmentFrame::SIGNALS) {
-        opaque(Signal::largest(signal));
+        opaque(CanSignal::largest(signal));
     }
 }
 
@@ -112,7 +112,7 @@ fn decode(bytes: &[u8]) {
             None => {}
         }
     }
-    let counts: LinkCounts = Decoder::counts(opaque(&decoder));
+    let counts: LinkStats = Decoder::counts(opaque(&decoder));
     opaque(counts);
 }
 

@@ -4,7 +4,7 @@
 
 use core::arch::asm;
 
-use bearing_watch::{Kernel, Reason, Verdict, arithmetic_test, known_answer_test};
+use bearing_watch::{ArithmeticFault, Reason, Verdict, arithmetic_test, known_answer_test};
 use host_tests::halves::{Interrupt, conclude};
 
 use crate::standard_rig;
@@ -30,7 +30,7 @@ fn in_context<T>(bits: u32, work: impl FnOnce() -> T) -> T {
 
 #[test]
 fn the_first_segment_tells_of_an_interrupt_that_computes_otherwise() {
-    for (bits, kernel) in [(FLUSH, Kernel::Subnormals), (DOWNWARDS, Kernel::Rounding)] {
+    for (bits, kernel) in [(FLUSH, ArithmeticFault::Subnormals), (DOWNWARDS, ArithmeticFault::Rounding)] {
         assert_eq!(known_answer_test(), Ok(()), "in main");
         assert_eq!(in_context(bits, known_answer_test), Err(kernel));
         assert_eq!(in_context(bits, arithmetic_test), Err(kernel));

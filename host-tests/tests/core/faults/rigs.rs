@@ -4,7 +4,7 @@ use bearing_watch::drive::{
     BalanceLimits, By, Factor, Faults, FrontEnd, FrontEndConstants, PhaseCounts, PhaseSensor, Position, RawSample,
     TrackingConstants,
 };
-use bearing_watch::model::{Balance, Feature, Lags};
+use bearing_watch::model::{Feature, Lags, TorqueBalance};
 use bearing_watch::plan::{Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::shaft::Friction;
 use bearing_watch::{Angle, Detector, FrictionTerm, Model, Reason, Verdict};
@@ -30,7 +30,7 @@ pub type Watch = fn(&FrontEndConstants, &[Reading], &Fault<'_>) -> (Vec<Clean>, 
 pub struct Drive {
     pub name: &'static str,
     pub constants: FrontEndConstants,
-    pub base: Balance,
+    pub base: TorqueBalance,
     pub lags: Lags,
     pub record: fn(DefectKind, u64) -> Vec<Reading>,
     pub watch: Watch,
@@ -163,7 +163,7 @@ where
 }
 
 /// A model of the balance with these constants, of one class: every segment that can be judged is healthy.
-pub fn model(balance: Balance, lags: Lags, load: bool, segment: u32) -> Model<RunTime> {
+pub fn model(balance: TorqueBalance, lags: Lags, load: bool, segment: u32) -> Model<RunTime> {
     let signal = Signal::channel;
     let watched = ShaftLayout {
         load: load.then(|| signal(2)),
@@ -208,10 +208,10 @@ impl Drive {
 
     /// A model whose healthy values are those of a few healthy records.
     pub fn trained(&self, load: bool) -> Model<RunTime> {
-        let weak = Balance {
+        let weak = TorqueBalance {
             nominal: [0.0; 7],
             prior: [0.1, 0.1, 5.0, 100.0, 5.0, 5.0, 5.0],
-            own_from_rows: u16::MAX,
+            adapt_after_rows: u16::MAX,
             ..self.base
         };
         let untrained = model(weak, self.lags, load, LONG);

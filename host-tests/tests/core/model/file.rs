@@ -138,7 +138,7 @@ fn errors_name_what_is_wrong() {
         (ModelError::OutOfRange(Field::NominalStability), "nominal model (it must be stable) is out of range"),
         (ModelError::OutOfRange(Field::ForgettingFactor), "forgetting factor is out of range"),
         (ModelError::Length(Field::BearingOrder), "bearing order or its weights has the wrong length"),
-        (ModelError::Channel { place: 2 }, "channel 3 of the model has another name or unit than in the plan"),
+        (ModelError::Channel { index: 2 }, "channel 3 of the model has another name or unit than in the plan"),
         (ModelError::Interval { trained_s: 0.002, given_s: 0.001 }, "every 2000 µs, not every 1000 µs"),
         (ModelError::OtherPlan, "for another plan"),
         (ModelError::Checksum, "checksum"),

@@ -284,10 +284,10 @@ fn a_model_of_another_plan_is_refused() {
     assert_eq!(Model::<Fades>::from_bytes(bytes), Err(ModelError::OtherPlan));
     assert_eq!(Model::<Refined>::from_bytes(bytes), Err(ModelError::OtherPlan));
     assert_eq!(Model::<Joint>::from_bytes(bytes), Err(ModelError::OtherPlan));
-    assert_eq!(Model::<Renamed>::from_bytes(bytes), Err(ModelError::Channel { place: 1 }));
+    assert_eq!(Model::<Renamed>::from_bytes(bytes), Err(ModelError::Channel { index: 1 }));
     let length = model(Renamed, &features, None).to_bytes("", &mut buffer).expect("fits");
-    assert_eq!(Model::<Squares>::from_bytes(&buffer[..length]), Err(ModelError::Channel { place: 1 }));
-    let text = ModelError::Channel { place: 1 }.to_string();
+    assert_eq!(Model::<Squares>::from_bytes(&buffer[..length]), Err(ModelError::Channel { index: 1 }));
+    let text = ModelError::Channel { index: 1 }.to_string();
     assert!(text.starts_with("channel 2 of the model has another name or unit"), "{text}");
 }
 

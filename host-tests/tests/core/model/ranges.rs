@@ -84,7 +84,7 @@ fn values_out_of_range_are_named() {
     refused(Field::Prior, |c| c.classifier.discriminant.log_prior[1] = -1e30);
     refused(Field::Cost, |c| c.classifier.discriminant.reject_cost = 1e30);
     let other = changed(|c| c.channels.swap(1, 2));
-    assert_eq!(other, Err(ModelError::Channel { place: 1 }), "channels in another order than in the plan");
+    assert_eq!(other, Err(ModelError::Channel { index: 1 }), "channels in another order than in the plan");
     // Differences of one signal move on from column to column, so they share one scale.
     let three = |r| RegressionLayout { structure: Structure::new(3, 1, 1, 1, 1), ..r };
     let scaled = of(three, |c| c.regression[0].scale = vec![1.0, 2.0, 4.0, 1.0, 1.0, 1.0]);

@@ -1,7 +1,7 @@
 //! The standard rig: its traces as a drive has them, and models that watch its shaft.
 
 use bearing_watch::model::{
-    Balance, Blocks, Feature, Lags, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking, q16,
+    Blocks, Feature, Lags, ShaftConstants, StateVariable, TERMS, TorqueBalance, TrackedOrder, Tracking, q16,
 };
 use bearing_watch::plan::{Array, Cells, Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::shaft::{Friction, Parameter};
@@ -51,7 +51,7 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
     };
     ShaftConstants {
         lags,
-        balance: Balance {
+        balance: TorqueBalance {
             interval_s: 0.002,
             filter: StateVariable::new((std::f64::consts::PI * 8.0 * 0.002).tan() as f32, 0.002),
             row_interval: 8,
@@ -66,7 +66,7 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
             nominal: NOMINAL,
             prior: [5e-3, 0.02, 0.5, 20.0, 0.5, 5.0, 0.5],
             deviation: 0.1,
-            own_from_rows: 48,
+            adapt_after_rows: 48,
             // 10 A accelerate by 2000 rad/s²: twice 8 mrad in 2 ms.
             largest_change_rad: 0.016,
         },

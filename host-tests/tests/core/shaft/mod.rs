@@ -108,7 +108,7 @@ fn nominal_parameters_and_the_high_pass_are_those_of_the_oracle() {
     for high_pass in [0.0, 0.1] {
         let mut constants = good.constants().clone();
         for shaft in &mut constants.shaft {
-            (shaft.balance.own_from_rows, shaft.tracking.blocks.high_pass) = (u16::MAX, high_pass);
+            (shaft.balance.adapt_after_rows, shaft.tracking.blocks.high_pass) = (u16::MAX, high_pass);
         }
         let nominal = Model::new(good.plan(), constants).expect("valid");
         compare(&nominal, &motions(&trace(DefectKind::Spall, 931), 16), &format!("nominal, high-pass {high_pass}"));

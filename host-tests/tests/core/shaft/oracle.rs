@@ -1,7 +1,7 @@
 //! The torque balance and its residual by other means, in f64: direct-form filters, normal equations with priors,
 //! parameters over time from the equations of all rows so far.
 
-use bearing_watch::model::{Balance, Lags, ShaftConstants, TERMS};
+use bearing_watch::model::{Lags, ShaftConstants, TERMS, TorqueBalance};
 use bearing_watch::plan::RunTime;
 use nalgebra::{DMatrix, DVector};
 
@@ -76,7 +76,7 @@ struct Signals {
 }
 
 impl Signals {
-    fn new(balance: &Balance, lags: Lags, motions: &[Motion], decimation: usize) -> Self {
+    fn new(balance: &TorqueBalance, lags: Lags, motions: &[Motion], decimation: usize) -> Self {
         let longest = lags.current.max(lags.velocity).max(lags.load);
         let later = |pick: fn(&Motion) -> f32, lag: f32| {
             let column: Vec<f64> = motions.iter().map(|m| f64::from(pick(m))).collect();
@@ -102,7 +102,7 @@ struct Squares {
 }
 
 impl Squares {
-    fn new(balance: &Balance, terms: &[usize]) -> Self {
+    fn new(balance: &TorqueBalance, terms: &[usize]) -> Self {
         let n = terms.len();
         let mut own = Self { gram: DMatrix::zeros(n, n), right: DVector::zeros(n), square: 0.0, rows: 0 };
         for (k, &term) in terms.iter().enumerate() {
@@ -117,7 +117,7 @@ impl Squares {
     }
 
     /// Without the prior of the term in place k, for its parameter alone.
-    fn without_prior(&self, balance: &Balance, terms: &[usize], k: usize) -> Self {
+    fn without_prior(&self, balance: &TorqueBalance, terms: &[usize], k: usize) -> Self {
         let priors = Self::new(balance, terms);
         let mut own = Self { gram: self.gram.clone(), right: self.right.clone(), ..*self };
         own.gram[(k, k)] -= priors.gram[(k, k)];
@@ -172,14 +172,14 @@ pub fn expected(
 }
 
 /// What a unit of each parameter adds to the friction at the usual velocity and load.
-pub fn drag_weights(balance: &Balance) -> [f64; TERMS] {
+pub fn drag_weights(balance: &TorqueBalance) -> [f64; TERMS] {
     let [speed, stribeck, load] =
         [balance.usual_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_load_nm].map(f64::from);
     [0.0, speed, 1.0, 0.0, 0.0, load, stribeck.powi(2) / (stribeck.powi(2) + speed.powi(2))]
 }
 
 /// All rows of a stream, and the parameters that hold at each of its steps.
-fn rows(balance: &Balance, terms: &[usize], signals: &Signals) -> (Squares, Vec<[f64; TERMS]>) {
+fn rows(balance: &TorqueBalance, terms: &[usize], signals: &Signals) -> (Squares, Vec<[f64; TERMS]>) {
     let (g, ts) = (f64::from(balance.filter.gain), f64::from(balance.interval_s));
     let Signals { i, w, t, frictions: [s, loaded, stribeck] } = signals;
     let ((fw, dw), one) = (filtered(w, g, ts), vec![1.0; i.len()]);
@@ -202,7 +202,7 @@ fn rows(balance: &Balance, terms: &[usize], signals: &Signals) -> (Squares, Vec<
         let slot = (k - first) / balance.row_interval as usize + 1;
         if !slot.is_multiple_of(REFRESH) {
             squares.add(&DVector::from_iterator(terms.len(), terms.iter().map(|&term| columns[term][k])), fi[k]);
-        } else if balance.own_from_rows < u16::MAX && squares.rows >= usize::from(balance.own_from_rows) {
+        } else if balance.adapt_after_rows < u16::MAX && squares.rows >= usize::from(balance.adapt_after_rows) {
             let mut p = now;
             terms.iter().zip(squares.solve().0.iter()).for_each(|(&term, value)| p[term] = *value);
             // So many parameters a step that all are known before the next row.

@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::model::{Balance, Feature, Lags, ShaftConstants, StateVariable};
+use bearing_watch::model::{Feature, Lags, ShaftConstants, StateVariable, TorqueBalance};
 use bearing_watch::plan::{Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::shaft::OrderStrength;
 use bearing_watch::{Angle, Detector, FrictionTerm, Model};
@@ -80,7 +80,7 @@ fn model(rpm: f64, turns: f64, others: &[f64]) -> Model<RunTime> {
     let layout = Layout { channels: 2, shaft: Some(watched), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     let plan = RunTime::of(layout).expect("a plan");
     let interval_s = 1.0 / RATE_HZ as f32;
-    let balance = Balance {
+    let balance = TorqueBalance {
         interval_s,
         filter: StateVariable::new((std::f32::consts::PI * 8.0 * interval_s).tan(), interval_s),
         row_interval: 24,
@@ -94,7 +94,7 @@ fn model(rpm: f64, turns: f64, others: &[f64]) -> Model<RunTime> {
         nominal: [0.0; 7],
         prior: [1e-6; 7],
         deviation: 1.0,
-        own_from_rows: u16::MAX,
+        adapt_after_rows: u16::MAX,
         largest_change_rad: f32::INFINITY,
     };
     let shaft = ShaftConstants { lags: Lags::default(), balance, tracking };

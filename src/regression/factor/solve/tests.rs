@@ -1,5 +1,5 @@
 use super::*;
-use crate::regression::factor::{Mass, Triangle};
+use crate::regression::factor::{EffectiveRows, Triangle};
 
 type Answer = Result<([f32; 2], [f32; 3], f32), SolveError>;
 
@@ -11,7 +11,7 @@ struct Case<'a> {
     inputs: usize,
     outputs: usize,
     scale: &'a [f32],
-    mass: Mass,
+    mass: EffectiveRows,
 }
 
 fn run(case: &Case<'_>) -> Answer {
@@ -27,7 +27,7 @@ fn run(case: &Case<'_>) -> Answer {
 }
 
 const fn problem<'a>(d: &'a [f32], r: &'a [f32], rows: f32) -> Case<'a> {
-    Case { d, r, inputs: 2, outputs: 0, scale: &[1.0, 1.0, 1.0], mass: Mass { rows, spread: 1.0 } }
+    Case { d, r, inputs: 2, outputs: 0, scale: &[1.0, 1.0, 1.0], mass: EffectiveRows { rows, spread: 1.0 } }
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn instruments_by_hand() {
         unrelated.update(&[u, z, y, y]);
     }
     let (d, r) = unrelated.parts();
-    let weak = Case { d, r, mass: Mass { rows: 40.0, spread: 1.0 }, ..instrumental };
+    let weak = Case { d, r, mass: EffectiveRows { rows: 40.0, spread: 1.0 }, ..instrumental };
     assert_eq!(run(&weak), Err(SolveError::WeakInstruments));
 }
 

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use bearing_watch::telemetry::SegmentFrame;
-use bearing_watch::{Cause, FrictionTerm, Implausible, Kernel, Reason, Verdict};
+use bearing_watch::{ArithmeticFault, Cause, FrictionTerm, Implausible, Reason, Verdict};
 
 use crate::command_line::output;
 use crate::drive::can_id::CanId;
@@ -117,11 +117,11 @@ fn place(ModelFile { model, .. }: &ModelFile, about: &str) -> String {
     };
     let parts = "1 regression, 2 torque balance, 3 bearing orders, 4 classifier";
     format!(
-        "{about}. Part: {parts}. Term: {}. Channel: {}. Error: {}. Kernel: {}. Parameter and covariate from 0 on",
+        "{about}. Part: {parts}. Term: {}. Channel: {}. Error: {}. Arithmetic: {}. Parameter and covariate from 0 on",
         list(&FrictionTerm::ALL.map(FrictionTerm::name)),
         list(&model.channel_names()),
         list(&Implausible::ALL.map(Implausible::message)),
-        list(&Kernel::ALL.map(Kernel::message)),
+        list(&ArithmeticFault::ALL.map(ArithmeticFault::message)),
     )
 }
 

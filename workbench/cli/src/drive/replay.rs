@@ -11,7 +11,7 @@ use crate::command_line::options::Taken;
 use crate::command_line::output;
 use crate::drive::life::Life;
 use model::Error;
-use model::core::{Embedded, Finding, SegmentReport, Watched, denied, features, sight, stuck_channels};
+use model::core::{AlarmState, Embedded, Finding, SegmentReport, denied, features, sight, stuck_channels};
 use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
 use model::settings::Settings;
@@ -136,7 +136,7 @@ pub(crate) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
 }
 
 /// What the run that ends says of each direction.
-fn run_line(model: &Embedded, orders: &[String], watched: &Watched) -> String {
+fn run_line(model: &Embedded, orders: &[String], watched: &AlarmState) -> String {
     let told = |one: &Contribution| {
         format!("{} {:+.1} sd (score {:.1})", model.direction_name(orders, one.direction), one.deviations, one.score)
     };
@@ -205,7 +205,7 @@ fn seen(model: &Embedded, orders: &[String], segment: &SegmentReport) -> String 
 }
 
 /// Returns the distance from healthy, and the evidence so far.
-fn far(segment: &SegmentReport, watched: &Watched) -> String {
+fn far(segment: &SegmentReport, watched: &AlarmState) -> String {
     let SegmentReport { distance, surprise, .. } = segment;
     let score = watched.score;
     match segment.verdict {
@@ -290,7 +290,7 @@ fn interval(Interval { value, low, high }: Interval) -> Value {
 fn value(
     model: &Embedded,
     (trace, number): (&Trace, usize),
-    (segment, watched): (&SegmentReport, &Watched),
+    (segment, watched): (&SegmentReport, &AlarmState),
     (orders, life): (&[String], Value),
 ) -> Value {
     let (missing, outside) = (missing(model, orders, segment), outside(model, orders, segment));

@@ -7,7 +7,7 @@ use bearing_watch::{Cause, Decision, Detector, Evidence, Model, ModelError, Reas
 use super::coordinates;
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
-use super::watch::{self, Watched};
+use super::watch::{self, AlarmState};
 use super::wiring::{Feed, Field, column, fields};
 use super::words::explain;
 use crate::identify::Structure;
@@ -275,7 +275,7 @@ impl Embedded {
 
     /// The class or coordinate that the alarm names; `unknown` if it names none. `orders` are the names of the orders.
     #[must_use]
-    pub fn cause(&self, watched: &Watched, orders: &[String]) -> Option<String> {
+    pub fn cause(&self, watched: &AlarmState, orders: &[String]) -> Option<String> {
         watched.alarm.map(|alarm| match alarm.cause {
             Cause::Class(class) => self.classes.get(usize::from(class)).cloned().unwrap_or_default(),
             Cause::Unknown => "unknown".into(),
@@ -299,7 +299,7 @@ impl Embedded {
     /// State of the core's evidence after each of these segments; they may come from several traces of one drive, in
     /// another order than the one in which they were recorded.
     #[must_use]
-    pub fn watch(&self, segments: &[SegmentReport]) -> Vec<Watched> {
+    pub fn watch(&self, segments: &[SegmentReport]) -> Vec<AlarmState> {
         watch::over(&self.model, segments)
     }
 

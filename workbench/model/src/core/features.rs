@@ -9,7 +9,7 @@
 //! residual, and two numbers per order. Averages of channels come last. Parameters and logarithms have errors of known
 //! variance.
 
-use bearing_watch::model::{Balance, Feature, FeatureValue};
+use bearing_watch::model::{Feature, FeatureValue, TorqueBalance};
 use bearing_watch::plan::{Plan as _, RunTime};
 use bearing_watch::shaft::ShaftEstimate;
 use bearing_watch::{FrictionTerm, Model};
@@ -65,7 +65,7 @@ enum Of {
     /// The terms of the torque balance.
     Term,
     /// The torque balance as a whole.
-    Balance,
+    TorqueBalance,
     /// The tracked orders.
     Order,
     /// The averaged channels.
@@ -103,7 +103,7 @@ const KINDS: [Kind; 8] = [
         feature: |k| Feature::LogFriction(term(k)),
     },
     Kind {
-        of: Of::Balance,
+        of: Of::TorqueBalance,
         around: ["balance", "_log_variance"],
         group: None,
         feature: |_| Feature::LogFrictionVariance,
@@ -158,7 +158,11 @@ pub fn friction(name: &str) -> Option<&str> {
 
 /// All features of the shaft, in the order of [`Catalogue::shaft`]; those of a part without a result are missing.
 /// Without a measured load the torque constant is not estimated, and its features are constant.
-pub(crate) fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>, balance: &Balance) -> Vec<FeatureValue> {
+pub(crate) fn shaft_values(
+    plan: RunTime,
+    shaft: &ShaftEstimate<RunTime>,
+    balance: &TorqueBalance,
+) -> Vec<FeatureValue> {
     let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
     let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders), averaged: vec![] };
     let each = |(_, feature): &(String, Feature)| feature.value(plan, (None, Some((shaft, balance)), &[]));
@@ -201,7 +205,7 @@ impl Catalogue {
         let each = |Kind { of, around: [before, behind], feature, .. }: &Kind| -> Vec<(String, Feature)> {
             let names: Vec<(String, u8)> = match of {
                 Of::Term => numbered(&FRICTION),
-                Of::Balance => numbered(&[""]),
+                Of::TorqueBalance => numbered(&[""]),
                 Of::Order => self.orders.iter().flatten().cloned().zip(0..).collect(),
                 Of::Channel => self.averaged.clone(),
             };

@@ -24,7 +24,7 @@ pub use embedded::Embedded;
 pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
 pub use stream::{Judged, Stream};
-pub use watch::Watched;
+pub use watch::AlarmState;
 pub(crate) use watch::combined_surprise;
 pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring, column, fields};
 pub use words::{denied, stuck_channels};

@@ -7,11 +7,11 @@ use bearing_watch::{Detector, Evidence, Monitor};
 
 use super::embedded::Embedded;
 use super::segment::SegmentReport;
-use super::watch::Watched;
+use super::watch::AlarmState;
 use crate::trace::Trace;
 
 /// A segment with the evidence after it.
-pub type Judged = (SegmentReport, Watched);
+pub type Judged = (SegmentReport, AlarmState);
 
 /// Detector and monitor of a drive, between two samples of a trace. The monitor goes on from trace to trace.
 #[derive(Clone, Debug)]
@@ -72,10 +72,10 @@ impl Stream<'_> {
     }
 
     /// Ends the run, from power-up to power-up; gives what is known then.
-    pub fn end_run(&mut self) -> Watched {
+    pub fn end_run(&mut self) -> AlarmState {
         self.monitor.end_run();
         self.told = false;
-        Watched::of_run(self.monitor.evidence())
+        AlarmState::of_run(self.monitor.evidence())
     }
 
     /// Takes the next samples, and returns the segments that end with them. A report that was returned before is not
@@ -160,8 +160,8 @@ impl Stream<'_> {
         Some((SegmentReport { start, length, ..segment }, self.watched()))
     }
 
-    fn watched(&self) -> Watched {
-        Watched::of(self.monitor.evidence())
+    fn watched(&self) -> AlarmState {
+        AlarmState::of(self.monitor.evidence())
     }
 
     /// The evidence, with its alarm, as bytes, as the firmware stores them.

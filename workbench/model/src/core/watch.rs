@@ -9,7 +9,7 @@ use super::segment::SegmentReport;
 
 /// State of the evidence after a segment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Watched {
+pub struct AlarmState {
     /// Largest score, nats.
     pub score: f32,
     /// The alarm, once raised.
@@ -26,7 +26,7 @@ pub struct Watched {
     pub growths: Vec<Growth>,
 }
 
-impl Watched {
+impl AlarmState {
     pub(super) fn of(evidence: &Evidence<RunTime>) -> Self {
         let (score, alarm) = (evidence.score(), evidence.alarm());
         let (main, silence) = (evidence.main_contribution(), evidence.silence());
@@ -65,14 +65,14 @@ impl Watched {
 }
 
 /// State of the core's evidence after each of these segments.
-pub(super) fn over(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Watched> {
+pub(super) fn over(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<AlarmState> {
     let mut evidence = Evidence::new(model);
     let mut observe = |segment: &SegmentReport| {
         match (decision(model, segment), segment.reason) {
             (None, Some(reason)) => evidence.observe_outcome(Err(reason)),
             (decision, _) => evidence.observe(decision.as_ref()),
         };
-        Watched::of(&evidence)
+        AlarmState::of(&evidence)
     };
     segments.iter().map(&mut observe).collect()
 }

@@ -3,7 +3,7 @@
 use bearing_watch::alarm::Contribution;
 use model::core::coordinates::{Side, in_words};
 use model::core::sight::{self, Shown};
-use model::core::{Embedded, Finding, SegmentReport, Watched};
+use model::core::{AlarmState, Embedded, Finding, SegmentReport};
 use model::trace::Trace;
 
 use super::percent;
@@ -78,7 +78,7 @@ impl<'a> Conclusion<'a> {
     }
 
     /// Takes the next trace with its segments and the evidence after each of them.
-    pub fn take(&mut self, trace: &Trace, segments: &[SegmentReport], watched: &[Watched]) {
+    pub fn take(&mut self, trace: &Trace, segments: &[SegmentReport], watched: &[AlarmState]) {
         self.traces += 1;
         for (segment, watched) in segments.iter().zip(watched) {
             let at = place(trace, segment);
@@ -119,7 +119,7 @@ impl<'a> Conclusion<'a> {
         }
     }
 
-    fn weigh(&mut self, watched: &Watched, at: &str) {
+    fn weigh(&mut self, watched: &AlarmState, at: &str) {
         if watched.score > 0.0 {
             self.rising.get_or_insert_with(|| at.to_owned());
         } else {

@@ -1,7 +1,7 @@
 //! The runs of a drive that have ended, with the size of a defect at the end of each.
 
 use bearing_watch::alarm::{Contribution, Growth};
-use model::core::Watched;
+use model::core::AlarmState;
 
 /// A run that has ended.
 #[derive(Clone, Debug)]
@@ -19,12 +19,12 @@ pub(crate) struct Run {
 pub(crate) struct Runs {
     list: Vec<Run>,
     /// The evidence after the last segment.
-    now: Option<Watched>,
+    now: Option<AlarmState>,
 }
 
 impl Runs {
     /// Takes the evidence after the segment of this place.
-    pub(super) fn take(&mut self, place: usize, watched: &Watched) {
+    pub(super) fn take(&mut self, place: usize, watched: &AlarmState) {
         if !watched.run.is_empty() {
             let (contributions, growths) = (watched.run.clone(), watched.growths.clone());
             self.list.push(Run { last: place, contributions, growths });
@@ -67,13 +67,13 @@ mod tests {
     use bearing_watch::alarm::Interval;
 
     /// The evidence after a segment, with the size in the second of two directions; a run ends with the last segment.
-    fn watched(size: f32, left: Option<f32>, run_ends: bool) -> Watched {
+    fn watched(size: f32, left: Option<f32>, run_ends: bool) -> AlarmState {
         let about = |value: f32| Interval { value, low: 0.5 * value, high: 2.0 * value };
         let (size, slope, left) = (about(size), about(0.25), left.map(about));
         let growth = Growth { size, slope, named: 12.0, left, run_hours: 0.5 };
         let both = [0, 1].map(|direction| Contribution { direction, deviations: 4.0, score: 1.0, since: 3 });
         let (run, growths) = if run_ends { (both.to_vec(), vec![growth; 2]) } else { (vec![], vec![]) };
-        Watched { score: 1.0, alarm: None, main: None, growth: Some((1, growth)), silence: None, run, growths }
+        AlarmState { score: 1.0, alarm: None, main: None, growth: Some((1, growth)), silence: None, run, growths }
     }
 
     fn name(direction: u8) -> String {
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn a_model_without_directions_has_no_size() {
         let mut runs = Runs::default();
-        let plain = Watched { growth: None, run: vec![], growths: vec![], ..watched(6.0, None, true) };
+        let plain = AlarmState { growth: None, run: vec![], growths: vec![], ..watched(6.0, None, true) };
         (0..3).for_each(|place| runs.take(place, &plain));
         assert_eq!((runs.size(&name), runs.contributions()), (String::new(), &[][..]));
     }

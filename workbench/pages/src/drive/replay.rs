@@ -7,7 +7,7 @@ use crate::page::{counted, linked, or_reason, paragraph};
 use crate::plot::{self, Event, Panel, Segment, Series};
 use crate::segments::{Judged, Limits, evidence, strips};
 use crate::{Class, Color, Page};
-use model::core::{Embedded, Field, Finding, SegmentReport, Watched};
+use model::core::{AlarmState, Embedded, Field, Finding, SegmentReport};
 use model::trace::{Channels, Trace, tally};
 
 /// Traces whose starts are marked, and marked with their names; more would cover each other.
@@ -24,7 +24,7 @@ pub struct Replayed {
     /// Its segments.
     pub segments: Vec<SegmentReport>,
     /// The evidence after each segment.
-    pub watched: Vec<Watched>,
+    pub watched: Vec<AlarmState>,
 }
 
 /// Creates the page. `replayed` has at least one trace; `conclusion` has taken the same traces.

@@ -1,7 +1,7 @@
 //! Frames → lines and traces.
 
 use bearing_watch::Alarm;
-use bearing_watch::telemetry::{Block, Body, Frame, LinkCounts, RawBlock, Summary};
+use bearing_watch::telemetry::{Block, Body, Frame, LinkStats, RawBlock, Summary};
 
 use super::live::View;
 use super::names::{Names, Streams};
@@ -135,7 +135,7 @@ impl Receiver {
     }
 
     /// Completes the open trace and shows what was received.
-    pub(super) fn end(mut self, counts: LinkCounts) -> Result<(), Error> {
+    pub(super) fn end(mut self, counts: LinkStats) -> Result<(), Error> {
         self.close()?;
         let kept = self.traces.as_ref().map(|traces| [traces.samples, u64::from(traces.files), traces.unusable]);
         self.tell(report_text::end_line(counts, kept, self.unnamed), report_text::end_value(counts, kept, self.unnamed))

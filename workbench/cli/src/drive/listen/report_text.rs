@@ -1,7 +1,7 @@
 //! Frames as lines of text and as JSON.
 
 use bearing_watch::Verdict;
-use bearing_watch::telemetry::{LinkCounts, Summary};
+use bearing_watch::telemetry::{LinkStats, Summary};
 use serde_json::{Map, Value, json};
 
 use super::alarm;
@@ -115,8 +115,8 @@ pub(super) fn trace_value(Written { file, first, samples }: &Written) -> Value {
 }
 
 /// `kept` are the numbers of written samples, of files and of unusable samples, if traces are written.
-pub(super) fn end_line(counts: LinkCounts, kept: Option<[u64; 3]>, unnamed: u64) -> String {
-    let LinkCounts { frames, bad, oversize, unknown, lost, repeated } = counts;
+pub(super) fn end_line(counts: LinkStats, kept: Option<[u64; 3]>, unnamed: u64) -> String {
+    let LinkStats { frames, bad, oversize, unknown, lost, repeated } = counts;
     let mut line = format!("{frames} frames, {bad} bad, {lost} lost, {repeated} repeated");
     let further = [(oversize, "too long"), (unknown, "of another format version")];
     for (count, what) in further.into_iter().filter(|(count, _)| *count > 0) {
@@ -132,8 +132,8 @@ pub(super) fn end_line(counts: LinkCounts, kept: Option<[u64; 3]>, unnamed: u64)
     line
 }
 
-pub(super) fn end_value(counts: LinkCounts, kept: Option<[u64; 3]>, unnamed: u64) -> Value {
-    let LinkCounts { frames, bad, oversize, unknown, lost, repeated } = counts;
+pub(super) fn end_value(counts: LinkStats, kept: Option<[u64; 3]>, unnamed: u64) -> Value {
+    let LinkStats { frames, bad, oversize, unknown, lost, repeated } = counts;
     json!({
         "kind": "end",
         "frames": frames,
@@ -150,7 +150,7 @@ pub(super) fn end_value(counts: LinkCounts, kept: Option<[u64; 3]>, unnamed: u64
 }
 
 /// Why no frame came.
-pub(super) fn nothing(LinkCounts { bad, oversize, unknown, .. }: LinkCounts) -> String {
+pub(super) fn nothing(LinkStats { bad, oversize, unknown, .. }: LinkStats) -> String {
     match (bad, oversize, unknown) {
         (_, _, 1..) => format!("{unknown} frames of another format version; use the workbench of that version"),
         (0, 0, 0) => "no frame came; check the line, and that the drive sends".into(),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// [`BalanceLimits`]; the noise is given in amperes, or in counts, which stay what they are when a gain is changed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Balance {
+pub struct PhaseBalance {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     noise_a: Option<f32>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -20,7 +20,7 @@ pub struct Balance {
     window: u16,
 }
 
-impl Balance {
+impl PhaseBalance {
     /// Of currents without phases, which are not checked.
     pub(super) const UNUSED: BalanceLimits =
         BalanceLimits { noise_a: 1.0, offset_a: 2.0, gain_tolerance: 0.02, window: 400 };
@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn the_noise_is_in_amperes_or_in_counts() {
-        let of = |noise: &str| toml::from_str::<Balance>(&format!("{noise}\ngain_tolerance = 0.02\nwindow = 400"));
+        let of = |noise: &str| toml::from_str::<PhaseBalance>(&format!("{noise}\ngain_tolerance = 0.02\nwindow = 400"));
         let limits = |noise: &str| {
             let balance = of(noise).expect("a section");
             balance.check().map(|()| balance.limits(&[0.25, -0.5]).noise_a)

@@ -49,11 +49,11 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use bearing_watch::drive::{FrontEndConstants, PhaseSensor, Position, ResolverLimits, RotorFrame, TrackingConstants};
-use bearing_watch::{Angle, CountsPerTurn, Park};
+use bearing_watch::{Angle, EncoderCounts, Park};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-pub use balance::Balance;
+pub use balance::PhaseBalance;
 pub use refused::{Refused, words};
 
 /// The factors for which the core has filters.
@@ -71,7 +71,7 @@ pub struct FrontEndFile {
     pub currents: Currents,
     /// What the sum of three currents must be; not for a quadrature current.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub balance: Option<Balance>,
+    pub balance: Option<PhaseBalance>,
     /// The position sensor.
     pub position: Columns,
     /// The loop that follows the angle.
@@ -207,7 +207,7 @@ pub enum Turn {
     /// 2^bits.
     Bits(u32),
     /// Any number.
-    Counts(u32, CountsPerTurn),
+    Counts(u32, EncoderCounts),
 }
 
 impl Turn {
@@ -233,8 +233,8 @@ impl Columns {
             (Some(bits @ 1..=32), None) => Turn::Bits(bits),
             (Some(bits), None) => return Err(format!("[position] bits {bits}: a turn has 2^1 to 2^32 counts")),
             (None, Some(turn)) => {
-                let most = CountsPerTurn::MOST;
-                let encoder = CountsPerTurn::new(turn)
+                let most = EncoderCounts::MOST;
+                let encoder = EncoderCounts::new(turn)
                     .ok_or_else(|| format!("[position] counts_per_turn {turn}: a turn has 1 to {most} counts"))?;
                 Turn::Counts(turn, encoder)
             }
@@ -335,7 +335,7 @@ impl FrontEndFile {
         if phases == 3 && self.currents.phases != Phases::Ab {
             return Err("[currents] phases is for two columns; three are a, b and c".into());
         }
-        self.balance.map_or(Ok(()), Balance::check)?;
+        self.balance.map_or(Ok(()), PhaseBalance::check)?;
         self.position.turn()?;
         if !self.motor.electrical_offset_rad.is_finite() {
             return Err("[motor] electrical_offset_rad is not a number".into());
@@ -381,7 +381,7 @@ impl FrontEndFile {
             control_rate_hz: self.control_rate_hz,
             sensors: [phase(0), phase(1), phase(2)],
             stuck_samples: *stuck_samples,
-            balance: self.balance.map_or(Balance::UNUSED, |balance| balance.limits(gain_a)),
+            balance: self.balance.map_or(PhaseBalance::UNUSED, |balance| balance.limits(gain_a)),
             tracking: TrackingConstants {
                 bandwidth_hz,
                 damping,

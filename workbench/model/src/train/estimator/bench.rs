@@ -18,7 +18,7 @@ const LIMIT: f64 = 10.0;
 /// Rows from which a segment's own parameters are compared with the nominal ones.
 pub(crate) const OWN_FROM_ROWS: u16 = 48;
 /// Traces with their motion.
-pub(crate) type Watched<'a> = (&'a LabelledTrace, &'a MotionTrace);
+pub(crate) type AlarmState<'a> = (&'a LabelledTrace, &'a MotionTrace);
 
 /// Runs the shaft of the core alone over whole traces.
 pub(crate) struct Bench {
@@ -28,7 +28,7 @@ pub(crate) struct Bench {
 
 impl Bench {
     /// Creates a bench in which every signal of the shaft has its own channel.
-    pub(crate) fn new(own: &[Watched<'_>], plan: &ShaftPlan, wiring: &Wiring) -> Result<Self, Error> {
+    pub(crate) fn new(own: &[AlarmState<'_>], plan: &ShaftPlan, wiring: &Wiring) -> Result<Self, Error> {
         let alone = Wiring { channels: vec![], ..wiring.clone() }.of_shaft(wiring);
         let channels = alone.core_channels(own.iter().map(|(t, _)| &t.trace), LIMIT)?;
         Ok(Self { layout: layout(plan, &alone)?, channels })
@@ -56,7 +56,7 @@ impl Bench {
     pub(crate) fn run_all(
         &self,
         constants: &ShaftConstants<RunTime>,
-        own: &[Watched<'_>],
+        own: &[AlarmState<'_>],
     ) -> Result<Vec<ShaftEstimate<RunTime>>, Error> {
         own.par_iter().map(|(labelled, _)| self.run(constants, &labelled.trace)).collect()
     }
@@ -68,9 +68,9 @@ impl Bench {
     pub(crate) fn frictions(
         &self,
         constants: &ShaftConstants<RunTime>,
-        own: &[Watched<'_>],
+        own: &[AlarmState<'_>],
     ) -> Result<Vec<Friction>, Error> {
-        let balance = |(labelled, _): &Watched<'_>| {
+        let balance = |(labelled, _): &AlarmState<'_>| {
             let id = &labelled.trace.id;
             let ShaftEstimate { friction, friction_reason, .. } = self.run(constants, &labelled.trace)?;
             let refuse = |reason| format!("shaft: {reason}; no trace of the nominal class has a torque balance");

@@ -30,7 +30,7 @@ use bearing_watch::shaft::ShaftEstimate;
 use rayon::prelude::*;
 use statrs::statistics::Statistics;
 
-use super::bench::{Bench, OWN_FROM_ROWS, Watched};
+use super::bench::{AlarmState, Bench, OWN_FROM_ROWS};
 use super::nominal::median;
 use super::pulses;
 use super::shaft_plan::{ShaftPlan, harmonics};
@@ -48,25 +48,30 @@ const SLOW_HZ: [f32; 3] = [0.0, 2.0, 4.0];
 pub(crate) fn best(
     bench: &Bench,
     constants: ShaftConstants<RunTime>,
-    healthy: &[Watched<'_>],
+    healthy: &[AlarmState<'_>],
 ) -> Result<ShaftConstants<RunTime>, Error> {
     let healthy = &healthy[..healthy.len().min(MOST_COMPARED)];
     let half = std::f32::consts::PI * constants.balance.interval_s;
     let with = |rows: u16, slow_hz: f32| {
         let mut own = constants.clone();
-        own.balance.own_from_rows = rows;
+        own.balance.adapt_after_rows = rows;
         own.tracking.blocks.high_pass = 1.0 - (-2.0 * half * slow_hz).exp();
         own
     };
     // What is never formed with own parameters stays so.
-    let rows = if constants.balance.own_from_rows == u16::MAX { &[u16::MAX][..] } else { &[OWN_FROM_ROWS, u16::MAX] };
+    let rows =
+        if constants.balance.adapt_after_rows == u16::MAX { &[u16::MAX][..] } else { &[OWN_FROM_ROWS, u16::MAX] };
     let slow = rows.iter().flat_map(|rows| SLOW_HZ.map(|slow_hz| with(*rows, slow_hz)));
     let best = least(bench, slow.collect(), healthy)?.map_or(constants, |(_, best)| best);
     Ok(least(bench, poles(&best), healthy)?.map_or(best, |(_, best)| best))
 }
 
 /// Returns the least cost (1) of any low-pass.
-pub(crate) fn cost(bench: &Bench, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f64, Error> {
+pub(crate) fn cost(
+    bench: &Bench,
+    constants: &ShaftConstants<RunTime>,
+    healthy: &[AlarmState<'_>],
+) -> Result<f64, Error> {
     let healthy = &healthy[..healthy.len().min(MOST_COMPARED)];
     Ok(least(bench, poles(constants), healthy)?.map_or(f64::INFINITY, |(cost, _)| cost))
 }
@@ -85,7 +90,7 @@ fn poles(constants: &ShaftConstants<RunTime>) -> Vec<ShaftConstants<RunTime>> {
 fn least(
     bench: &Bench,
     tried: Vec<ShaftConstants<RunTime>>,
-    healthy: &[Watched<'_>],
+    healthy: &[AlarmState<'_>],
 ) -> Result<Option<(f64, ShaftConstants<RunTime>)>, Error> {
     let cost = |own: &ShaftConstants<RunTime>| -> Result<f64, Error> {
         let runs = bench.run_all(own, healthy)?;
@@ -118,7 +123,7 @@ pub(crate) fn chosen(
     bench: &Bench,
     plan: &ShaftPlan,
     constants: &ShaftConstants<RunTime>,
-    healthy: &[Watched<'_>],
+    healthy: &[AlarmState<'_>],
 ) -> Result<Option<ShaftPlan>, Error> {
     if !plan.fewer_harmonics || healthy.len() < LEAST_TRACES {
         return Ok(None);
@@ -160,7 +165,7 @@ impl Pulses {
     }
 
     /// A trace with pulses at all orders.
-    fn added(&self, (labelled, motion): &Watched<'_>, number: usize, orders: &[TrackedOrder]) -> Trace {
+    fn added(&self, (labelled, motion): &AlarmState<'_>, number: usize, orders: &[TrackedOrder]) -> Trace {
         let mut trace = labelled.trace.clone();
         let (slip, phase) = pulses::slip_and_phase(number, self.slip);
         if let Some(shaft) = &mut trace.motion {
@@ -177,11 +182,11 @@ impl Pulses {
         &self,
         bench: &Bench,
         constants: &ShaftConstants<RunTime>,
-        healthy: &[Watched<'_>],
+        healthy: &[AlarmState<'_>],
         without: &[ShaftEstimate<RunTime>],
     ) -> Result<f64, Error> {
         let orders = &constants.tracking.orders;
-        let pulsed = |(number, own): (usize, &Watched<'_>)| bench.run(constants, &self.added(own, number, orders));
+        let pulsed = |(number, own): (usize, &AlarmState<'_>)| bench.run(constants, &self.added(own, number, orders));
         let with = healthy.par_iter().enumerate().map(pulsed).collect::<Result<Vec<_>, _>>()?;
         let of_order = |k: usize| {
             let (without, with) = (scores(without, k), scores(&with, k));

@@ -21,7 +21,7 @@
 use std::f64::consts::{PI, TAU};
 
 use bearing_watch::FrictionTerm;
-use bearing_watch::model::Balance;
+use bearing_watch::model::TorqueBalance;
 use bearing_watch::shaft::Friction;
 
 use crate::trace::{self, MotionTrace};
@@ -30,7 +30,7 @@ use crate::trace::{self, MotionTrace};
 const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFriction, FrictionTerm::Stribeck];
 
 /// Sets nominal parameters (1), their prior deviations (2), and the deviation of a row.
-pub(crate) fn learn(balance: &mut Balance, estimates: &[Friction]) {
+pub(crate) fn learn(balance: &mut TorqueBalance, estimates: &[Friction]) {
     for (term, (nominal, prior)) in
         FrictionTerm::ALL.into_iter().zip(balance.nominal.iter_mut().zip(&mut balance.prior))
     {

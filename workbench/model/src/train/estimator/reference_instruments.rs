@@ -16,7 +16,7 @@
 
 use std::f64::consts::PI;
 
-use bearing_watch::model::Balance;
+use bearing_watch::model::TorqueBalance;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
@@ -44,7 +44,7 @@ struct Sums {
 
 /// Replaces the nominal parameters that do not belong to the load by (2), and the offset by the median of o. Returns
 /// whether a record has a reference that moves the shaft; without one, nothing changes.
-pub(crate) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], rates: (f64, u8)) -> bool {
+pub(crate) fn correct(balance: &mut TorqueBalance, healthy: &[&MotionTrace], rates: (f64, u8)) -> bool {
     let records: Vec<Sums> = healthy.par_iter().filter_map(|motion| sums(motion, balance, rates)).collect();
     if records.is_empty() {
         return false;
@@ -68,14 +68,14 @@ pub(crate) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], rates: (f
 }
 
 /// The sums of a record; `None` if it has no reference, one that does not move, or too few rows.
-fn sums(motion: &MotionTrace, balance: &Balance, (cutoff_hz, decimation): (f64, u8)) -> Option<Sums> {
+fn sums(motion: &MotionTrace, balance: &TorqueBalance, (cutoff_hz, decimation): (f64, u8)) -> Option<Sums> {
     if motion.reference_rad_s.is_empty() {
         return None;
     }
     let interval_s = f64::from(balance.interval_s) / f64::from(decimation);
     let filter = LowPass::butterworth(1, cutoff_hz * interval_s);
     let columns = |velocity: &[f64]| -> Columns {
-        let term = |each: fn(&Balance, f64) -> f64| {
+        let term = |each: fn(&TorqueBalance, f64) -> f64| {
             filter.forward(&velocity.iter().map(|w| each(balance, *w)).collect::<Vec<_>>())
         };
         let slope = filter.derivative(velocity).into_iter().map(|x| x / interval_s).collect();
@@ -109,11 +109,11 @@ fn sums(motion: &MotionTrace, balance: &Balance, (cutoff_hz, decimation): (f64, 
     (moves && zx.iter().all(|own| own.is_finite())).then_some(Sums { zx, zi, mean_x, mean_i })
 }
 
-fn sign(balance: &Balance, velocity: f64) -> f64 {
+fn sign(balance: &TorqueBalance, velocity: f64) -> f64 {
     (velocity / f64::from(balance.sign_velocity_rad_s)).clamp(-1.0, 1.0)
 }
 
-fn stribeck(balance: &Balance, velocity: f64) -> f64 {
+fn stribeck(balance: &TorqueBalance, velocity: f64) -> f64 {
     let ratio = velocity / f64::from(balance.stribeck_velocity_rad_s);
     sign(balance, velocity) / (1.0 + ratio * ratio)
 }
@@ -128,9 +128,9 @@ mod tests {
     const INTERVAL_S: f64 = 0.002;
     const CUTOFF_HZ: f64 = 4.0;
 
-    fn balance() -> Balance {
+    fn balance() -> TorqueBalance {
         let gain = (std::f64::consts::PI * CUTOFF_HZ * INTERVAL_S).tan() as f32;
-        Balance {
+        TorqueBalance {
             interval_s: INTERVAL_S as f32,
             filter: StateVariable::new(gain, INTERVAL_S as f32),
             row_interval: 16,
@@ -144,7 +144,7 @@ mod tests {
             nominal: [0.0; TERMS],
             prior: [1.0; TERMS],
             deviation: 1.0,
-            own_from_rows: 48,
+            adapt_after_rows: 48,
             largest_change_rad: f32::INFINITY,
         }
     }
@@ -160,7 +160,7 @@ mod tests {
             0 | 4999 => 0.0,
             _ => (velocity[k + 1] - velocity[k - 1]) / (2.0 * INTERVAL_S),
         };
-        let before = Balance { deviation: 1e-6, ..balance() };
+        let before = TorqueBalance { deviation: 1e-6, ..balance() };
         let current = |(k, w): (usize, &f64)| 0.005 * slope(k) + 0.02 * w + 0.3 * sign(&before, *w) + 0.1;
         let current_a = velocity.iter().enumerate().map(current).collect();
         let mut motion = MotionTrace { current_a, velocity_rad_s: velocity.clone(), ..MotionTrace::default() };

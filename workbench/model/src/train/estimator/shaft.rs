@@ -8,10 +8,10 @@
 //! [`ShaftPlan`] has the tracked orders, [`super::lags`] finds the lags, [`super::nominal`] the parameters, and
 //! [`super::filters`] the filters of the residual.
 
-use bearing_watch::model::{Balance, Lags, MAX_LAG, ShaftConstants, StateVariable, TERMS, Tracking};
+use bearing_watch::model::{Lags, MAX_LAG, ShaftConstants, StateVariable, TERMS, TorqueBalance, Tracking};
 use bearing_watch::plan::{RunTime, ShaftLayout};
 
-use super::bench::{Bench, OWN_FROM_ROWS, Watched, layout};
+use super::bench::{AlarmState, Bench, OWN_FROM_ROWS, layout};
 use super::nominal::{self, median};
 use super::shaft_plan::ShaftPlan;
 use super::{filters, lags, reference_instruments};
@@ -66,7 +66,7 @@ fn with_balance<T>(
     (class, interval_s): (usize, f64),
     plan: &ShaftPlan,
     wiring: &Wiring,
-    rest: impl FnOnce(&Bench, &ShaftPlan, ShaftConstants<RunTime>, &[Watched<'_>]) -> Result<T, Error>,
+    rest: impl FnOnce(&Bench, &ShaftPlan, ShaftConstants<RunTime>, &[AlarmState<'_>]) -> Result<T, Error>,
 ) -> Result<T, Error> {
     if interval_s <= 0.0 {
         return Err(Error::Training("the shaft needs the sampling interval; give the traces a column t_s".into()));
@@ -79,7 +79,7 @@ fn with_balance<T>(
     }
     let all: Vec<&MotionTrace> = motions.iter().map(AsRef::as_ref).collect();
     let plan = &plan.decimated(&all, interval_s);
-    let own: Vec<Watched<'_>> = traces.iter().zip(all.iter().copied()).filter(|(t, _)| t.class == class).collect();
+    let own: Vec<AlarmState<'_>> = traces.iter().zip(all.iter().copied()).filter(|(t, _)| t.class == class).collect();
     let bench = Bench::new(&own, plan, wiring)?;
     let healthy: Vec<&MotionTrace> = own.iter().map(|(_, motion)| *motion).collect();
     let mut constants = untrained(&all, interval_s, plan)?;
@@ -101,7 +101,7 @@ fn with_balance<T>(
     // The residual of the orders is then never formed with a segment's own parameters, which the load biases.
     if !plan.load && reference_instruments::correct(&mut constants.balance, &healthy, (plan.cutoff_hz, plan.decimation))
     {
-        constants.balance.own_from_rows = u16::MAX;
+        constants.balance.adapt_after_rows = u16::MAX;
     }
     rest(&bench, plan, constants, &own)
 }
@@ -143,7 +143,7 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
     let row_interval = (1.0 / (8.0 * cutoff)).round().clamp(1.0, 255.0);
     Ok(ShaftConstants {
         lags: Lags::default(),
-        balance: Balance {
+        balance: TorqueBalance {
             interval_s: step_s as f32,
             filter: StateVariable::new((std::f64::consts::PI * cutoff).tan() as f32, step_s as f32),
             row_interval: row_interval as u8,
@@ -158,7 +158,7 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
             nominal: [0.0; TERMS],
             prior: columns.map(|column| if column > 0.0 { (10.0 * current / column) as f32 } else { 1.0 }),
             deviation: (0.1 * current).max(1e-6) as f32,
-            own_from_rows: OWN_FROM_ROWS,
+            adapt_after_rows: OWN_FROM_ROWS,
             largest_change_rad: f32::INFINITY,
         },
         tracking: tracking(traces, plan, sign_velocity),

@@ -4,8 +4,8 @@
 use std::fmt::Write as _;
 
 use bearing_watch::model::{
-    Background, Balance, Blocks, Channel, Classifier, Covariate, Covariates, Direction, Directions, EvidenceConstants,
-    Feature, KNOTS, Law, Regression, Rise, Sampling, ShaftConstants,
+    Background, Blocks, Channel, Classifier, Covariate, Covariates, Direction, Directions, EvidenceConstants, Feature,
+    KNOTS, Law, Regression, Rise, Sampling, ShaftConstants, TorqueBalance,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
 use bearing_watch::{FrictionTerm, Park};
@@ -123,7 +123,7 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: 
         plan.extend(["Memory", "Method", "RegressionLayout", "Structure"]);
     }
     if let Some(shaft) = layout.shaft {
-        model.extend(["Balance", "Blocks", "Lags", "ShaftConstants", "StateVariable", "Tracking"]);
+        model.extend(["TorqueBalance", "Blocks", "Lags", "ShaftConstants", "StateVariable", "Tracking"]);
         model.extend((shaft.orders > 0).then_some("TrackedOrder"));
         plan.push("ShaftLayout");
     }
@@ -255,17 +255,17 @@ fn regression(out: &mut Source, regression: &Regression<RunTime>) {
 
 fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
     let ShaftConstants { lags, balance, tracking } = shaft;
-    let Balance { interval_s, filter, row_interval, settle, own_from_rows, .. } = balance;
+    let TorqueBalance { interval_s, filter, row_interval, settle, adapt_after_rows, .. } = balance;
     let (interval, gain) = (number(*interval_s), number(filter.gain));
     let [current, velocity, load] = [lags.current, lags.velocity, lags.load].map(number);
     out.line(1, "shaft: [ShaftConstants {");
     out.line(2, &format!("lags: Lags {{ current: {current}, velocity: {velocity}, load: {load} }},"));
-    out.line(2, "balance: Balance {");
+    out.line(2, "balance: TorqueBalance {");
     out.line(3, &format!("interval_s: {interval},"));
     out.line(3, &format!("filter: StateVariable::new({gain}, {interval}),"));
     out.line(3, &format!("row_interval: {row_interval},"));
     out.line(3, &format!("settle: {settle},"));
-    out.line(3, &format!("own_from_rows: {own_from_rows},"));
+    out.line(3, &format!("adapt_after_rows: {adapt_after_rows},"));
     for (name, value) in [
         ("sign_velocity_rad_s", balance.sign_velocity_rad_s),
         ("stribeck_velocity_rad_s", balance.stribeck_velocity_rad_s),

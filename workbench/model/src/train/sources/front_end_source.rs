@@ -80,8 +80,8 @@ fn position(columns: &Columns) -> Result<Vec<String>, Error> {
     let mut lines = vec![String::new()];
     if let Ok(Some(Turn::Counts(turn, _))) = columns.turn() {
         lines.push("/// Counts of the position sensor in a turn.".into());
-        lines.push("pub const TURN: bearing_watch::CountsPerTurn =".into());
-        lines.push(format!("    bearing_watch::CountsPerTurn::new({turn}).expect(\"a number of counts\");"));
+        lines.push("pub const TURN: bearing_watch::EncoderCounts =".into());
+        lines.push(format!("    bearing_watch::EncoderCounts::new({turn}).expect(\"a number of counts\");"));
         lines.push(String::new());
     }
     let angle = if reversed { format!("{angle}.negated()") } else { angle };
