@@ -6,11 +6,11 @@
 //! smallest   (t √(1 + 1/n) + 1.28) s                                                          (3)
 //! ```
 //!
-//! Every signal of (1) passes one low-pass filter, behind which a long recording is decimated. A term that the others make up is left out. Changes are given in the
-//! unit of the current, at the usual (rms) size of the term. In (3), s is the deviation of p over the n healthy traces
-//! and t the quantile of Student's distribution with n − 1 degrees of freedom at the rate of false alarms: a change of
-//! that size is found in 9 of 10 traces of a drive like these. By noise alone, s is the deviation of the estimate of
-//! one trace, and t that of the normal distribution.
+//! Every signal of (1) passes one low-pass filter, behind which a long recording is decimated. A term that the others
+//! make up is left out. Changes are given in the unit of the current, at the usual (rms) size of the term. In (3), s
+//! is the deviation of p over the n healthy traces and t the quantile of Student's distribution with n − 1 degrees of
+//! freedom at the rate of false alarms: a change of that size is found in 9 of 10 traces of a drive like these. By
+//! noise alone, s is the deviation of the estimate of one trace, and t that of the normal distribution.
 
 use nalgebra::DVector;
 use serde_json::{Value, json};

@@ -44,7 +44,9 @@ pub(crate) fn stated(name: &str) -> Option<&str> {
     let name = name.trim();
     for (open, close) in [('[', ']'), ('(', ')'), ('<', '>'), ('［', '］'), ('（', '）')] {
         let inner = name.strip_suffix(close).and_then(|rest| rest.rsplit_once(open));
-        if let Some((_, unit)) = inner {
+        // A number alone counts columns: speed (2).
+        let is_number = |unit: &str| unit.trim().bytes().all(|byte| byte.is_ascii_digit());
+        if let Some((_, unit)) = inner.filter(|(_, unit)| !is_number(unit)) {
             return Some(unit.trim());
         }
     }
@@ -202,6 +204,7 @@ mod tests {
         {
             assert_eq!(stated(name), Some(text), "{name}");
         }
+        assert_eq!((stated("current (1)"), stated("speed [12]")), (None, None));
         assert_eq!((stated("speed_rpm"), stated("/joint_states/j1/effort")), (None, None));
     }
 }

@@ -5,9 +5,9 @@
 //! sign and magnitude   …, 2, 1, 32 769, 32 770, …      2^(b−1) − x from 2^(b−1) on
 //! ```
 //!
-//! Decoded so, neighbours of different sign are as near as others are; of a signal of many values it is enough that they
-//! are within its range, since friction turns round in one row. A count that goes round, and one that passes the middle
-//! of its range, jump in the decoded values in its place.
+//! Decoded so, neighbours of different sign are as near as others are; of a signal of many values it is enough that
+//! they are within its range, since friction turns round in one row. A count that goes round, and one that passes the
+//! middle of its range, jump in the decoded values in its place.
 
 use std::collections::HashSet;
 
