@@ -1,8 +1,8 @@
 //! A whole drive on a recording: counts of the converters at the control rate → front end → detector → alarm.
 //!
 //! ```text
-//! interrupt   row ─► FrontEnd ─► Sample ─► Detector::exchange ─► queue
-//! main loop   queue ─► Monitor::advance, a step between two rows ─► adopt, verdict, alarm
+//! interrupt   row ─► WATCH.sample ─► WATCH.collect
+//! main loop   WATCH.advance, a step between two rows ─► verdict, alarm
 //! ```
 //!
 //! The recording is the file `rows.bin` of the working directory, which `bearing-watch replay --rows` writes, and the
@@ -24,8 +24,8 @@
 #[macro_use]
 mod support;
 
-#[path = "support/drive_parts.rs"]
-mod drive_parts;
+#[path = "support/lines.rs"]
+mod lines;
 #[path = "support/rows.rs"]
 mod rows;
 
@@ -37,77 +37,34 @@ mod model {
 
 use core::hint::black_box;
 
-use bearing_watch::drive::RawSample;
-use heapless::spsc::{Consumer, Producer, Queue};
-use support::count::Counter;
-
-use drive_parts::{Place, Sampler, Watch};
-use model::FURTHER;
+use lines::Lines;
+use model::{FURTHER, WATCH};
 use rows::Rows;
+use support::count::Counter;
 
 main!(run);
 
-/// The interrupt: the sampler, and the queue to the main loop.
-struct Interrupt<'a> {
-    sampler: Sampler,
-    closed: Producer<'a, Place>,
-}
-
-impl Interrupt<'_> {
-    fn sample(&mut self, raw: &RawSample<FURTHER>) {
-        if let Some(place) = self.sampler.sample(raw) {
-            // There are two places, of which one is open: there is room for the other.
-            let _room = self.closed.enqueue(place).is_ok();
-        }
-    }
-}
-
-/// What the main loop works on.
-struct MainLoop<'a> {
-    closed: Consumer<'a, Place>,
-    watch: Watch,
-}
-
-impl MainLoop<'_> {
-    /// One step of work. Not inlined, so that what it moves takes no stack during the interrupt.
-    #[inline(never)]
-    fn turn(&mut self, sampler: &mut Sampler) {
-        if !self.watch.monitor.is_solving() {
-            if let Some(place) = self.closed.dequeue() {
-                self.watch.monitor.take_from(place);
-                // On a chip with the interrupt disabled, as below.
-                sampler.spare = Some(place);
-            }
-            return;
-        }
-        self.watch.advance(|report| sampler.detector.adopt(report));
-    }
-}
-
 fn run() {
-    let mut queue: Queue<Place, 2> = Queue::new();
-    let (producer, consumer) = queue.split();
-    let sampler = match Sampler::new() {
-        Ok(sampler) => sampler,
-        Err(message) => return say!("{message}"),
-    };
-    let mut interrupt = Interrupt { sampler, closed: producer };
-    let mut main_loop = MainLoop { closed: consumer, watch: Watch::new() };
+    if let Err(message) = lines::start() {
+        return say!("{message}");
+    }
     let Some(mut rows) = Rows::<FURTHER>::open() else {
         say!("no recording rows.bin: see cargo xtask pil");
         return;
     };
-    let mut cost = Cost::new();
+    let (mut lines, mut cost) = (Lines::default(), Cost::new());
     cost.stack(|cost| {
         for raw in &mut rows {
-            cost.interrupt(|| interrupt.sample(black_box(&raw)));
-            main_loop.turn(&mut interrupt.sampler);
+            // Here both contexts are one interrupt.
+            cost.interrupt(|| {
+                if WATCH.sample(black_box(raw)) {
+                    WATCH.collect();
+                }
+            });
+            lines.advance();
         }
-        while main_loop.watch.monitor.is_solving() || main_loop.closed.ready() {
-            main_loop.turn(&mut interrupt.sampler);
-        }
+        lines.end();
     });
-    main_loop.watch.end(&interrupt.sampler);
     cost.print();
 }
 

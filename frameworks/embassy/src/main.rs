@@ -1,8 +1,8 @@
 //! The drive monitor of `examples/drive.rs` under embassy.
 //!
 //! ```text
-//! control  interrupt, every control period   row ─► FrontEnd ─► Sample ─► Detector::exchange ─► CLOSED
-//! main     task of the thread executor       CLOSED ─► Monitor::advance, a step at a time ─► adopt, evidence, alarm
+//! control  interrupt, every control period   row ─► WATCH.sample, WATCH.collect ─► NEWS
+//! main     task of the thread executor       NEWS ─► WATCH.advance, a step at a time ─► verdict, alarm
 //! ```
 //!
 //! Between two steps other tasks run. `cargo xtask frameworks` runs it in the emulator.
@@ -15,8 +15,8 @@
 #[path = "../../../examples/support/mod.rs"]
 mod support;
 
-#[path = "../../../examples/support/drive_parts.rs"]
-mod drive_parts;
+#[path = "../../../examples/support/lines.rs"]
+mod lines;
 #[allow(dead_code, reason = "rows contain angles, not counts of the position")]
 #[path = "../../../examples/support/actuator/model.rs"]
 mod model;
@@ -34,8 +34,8 @@ use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
 
-use drive_parts::{Place, Sampler, Watch};
-use model::FURTHER;
+use lines::Lines;
+use model::{FURTHER, WATCH};
 use rows::Rows;
 use support::target;
 
@@ -43,57 +43,52 @@ use support::target;
 /// recording of 10 kHz is played at 2 kHz.
 const CYCLES: u32 = 84_000;
 
-/// What the interrupt works on.
-struct Control {
-    rows: Rows<FURTHER>,
-    sampler: Sampler,
+/// The recording, which the interrupt reads.
+static ROWS: Mutex<CriticalSectionRawMutex, RefCell<Option<Rows<FURTHER>>>> = Mutex::new(RefCell::new(None));
+
+/// What the interrupt tells the task.
+#[derive(Clone, Copy)]
+enum News {
+    /// A segment has closed.
+    Closed,
+    /// The recording has ended.
+    Ended,
 }
 
-static CONTROL: Mutex<CriticalSectionRawMutex, RefCell<Option<Control>>> = Mutex::new(RefCell::new(None));
-
-/// From the interrupt to the task: closed segments, and `None` when the recording has ended.
-static CLOSED: Channel<CriticalSectionRawMutex, Option<Place>, 2> = Channel::new();
-
-/// Runs `work` on the interrupt's data, with interrupts masked.
-fn masked<T>(work: impl FnOnce(&mut Control) -> T) -> Option<T> {
-    CONTROL.lock(|control| control.borrow_mut().as_mut().map(work))
-}
+static NEWS: Channel<CriticalSectionRawMutex, News, 2> = Channel::new();
 
 /// On a board, the interrupt at the end of the current conversion.
 #[exception]
 fn SysTick() {
-    masked(|control| match control.rows.next() {
+    match ROWS.lock(|rows| rows.borrow_mut().as_mut().and_then(Iterator::next)) {
         Some(raw) => {
-            if let Some(place) = control.sampler.sample(&raw) {
-                // There is one closed place at a time, and room for it.
-                drop(CLOSED.try_send(Some(place)));
+            if WATCH.sample(raw) && WATCH.collect() {
+                // There is one closed segment at a time, and room for it.
+                drop(NEWS.try_send(News::Closed));
             }
         }
         // If there is no room, the next period tries again.
-        None => drop(CLOSED.try_send(None)),
-    });
+        None => drop(NEWS.try_send(News::Ended)),
+    }
 }
 
 #[embassy_executor::main]
 async fn main(_spawner: Spawner) {
-    let sampler = match Sampler::new() {
-        Ok(sampler) => sampler,
-        Err(message) => panic!("{message}"),
-    };
+    if let Err(message) = lines::start() {
+        panic!("{message}")
+    }
     let Some(rows) = Rows::open() else { panic!("no recording rows.bin: see cargo xtask pil") };
-    CONTROL.lock(|control| control.replace(Some(Control { rows, sampler })));
+    ROWS.lock(|all| all.replace(Some(rows)));
     start_interrupt();
-    let mut watch = Watch::new();
-    while let Some(place) = CLOSED.receive().await {
-        watch.monitor.take_from(place);
-        masked(|control| control.sampler.spare = Some(place));
-        // By steps, between which other tasks run.
-        while watch.monitor.is_solving() {
-            watch.advance(|report| masked(|control| control.sampler.detector.adopt(report)));
+    let mut lines = Lines::default();
+    while matches!(NEWS.receive().await, News::Closed) {
+        // More steps than a solve has, between which other tasks run.
+        for _ in 0..99 {
+            lines.advance();
             yield_now().await;
         }
     }
-    masked(|control| watch.end(&control.sampler));
+    lines.end();
     target::succeed()
 }
 

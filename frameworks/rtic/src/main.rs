@@ -1,13 +1,12 @@
 //! The drive monitor of `examples/drive.rs` under RTIC 2.
 //!
 //! ```text
-//! control  priority 2, every control period   row ─► FrontEnd ─► Sample ─► Detector::exchange ─► solve
-//! solve    priority 1, once a segment         Monitor::take_from, advance ─► adopt, alarm
+//! control  priority 2, every control period   row ─► WATCH.sample, WATCH.collect
+//! solve    priority 1, once a segment         WATCH.advance ─► verdict, alarm
 //! idle                                        the other work of the drive
 //! ```
 //!
-//! `control` interrupts `solve` at any time; only `adopt` and the return of the place lock it out. `cargo xtask
-//! frameworks` runs it in the emulator.
+//! `control` interrupts `solve` at any time, and nothing locks it out. `cargo xtask frameworks` runs it in the emulator.
 
 #![no_std]
 #![no_main]
@@ -18,8 +17,8 @@
 mod support;
 
 mod device;
-#[path = "../../../examples/support/drive_parts.rs"]
-mod drive_parts;
+#[path = "../../../examples/support/lines.rs"]
+mod lines;
 #[allow(dead_code, reason = "rows contain angles, not counts of the position")]
 #[path = "../../../examples/support/actuator/model.rs"]
 mod model;
@@ -30,8 +29,8 @@ mod rows;
 mod app {
     use cortex_m::peripheral::syst::SystClkSource;
 
-    use crate::drive_parts::{Place, Sampler, Watch};
-    use crate::model::FURTHER;
+    use crate::lines::{self, Lines};
+    use crate::model::{FURTHER, WATCH};
     use crate::rows::Rows;
     use crate::support::target;
 
@@ -41,8 +40,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        sampler: Sampler,
-        watch: Watch,
+        lines: Lines,
     }
 
     #[local]
@@ -52,10 +50,9 @@ mod app {
 
     #[init]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let sampler = match Sampler::new() {
-            Ok(sampler) => sampler,
-            Err(message) => panic!("{message}"),
-        };
+        if let Err(message) = lines::start() {
+            panic!("{message}")
+        }
         let Some(rows) = Rows::open() else { panic!("no recording rows.bin: see cargo xtask pil") };
         let mut timer = cx.core.SYST;
         timer.set_clock_source(SystClkSource::Core);
@@ -63,7 +60,7 @@ mod app {
         timer.clear_current();
         timer.enable_counter();
         timer.enable_interrupt();
-        (Shared { sampler, watch: Watch::new() }, Local { rows })
+        (Shared { lines: Lines::default() }, Local { rows })
     }
 
     #[idle]
@@ -74,35 +71,29 @@ mod app {
     }
 
     /// On a board bound to the interrupt at the end of the current conversion.
-    #[task(binds = SysTick, priority = 2, shared = [sampler], local = [rows])]
-    fn control(mut cx: control::Context) {
+    #[task(binds = SysTick, priority = 2, local = [rows])]
+    fn control(cx: control::Context) {
         let Some(raw) = cx.local.rows.next() else {
             // Already spawned by the period before if it fails.
             let _ = end::spawn();
             return;
         };
-        if let Some(place) = cx.shared.sampler.lock(|sampler| sampler.sample(&raw)) {
-            // There is one closed place at a time, and so one task.
-            let _spawned = solve::spawn(place).is_ok();
+        if WATCH.sample(raw) && WATCH.collect() {
+            // There is one closed segment at a time, and so one task.
+            let _spawned = solve::spawn().is_ok();
         }
     }
 
-    #[task(priority = 1, shared = [sampler, watch])]
-    async fn solve(mut cx: solve::Context, place: Place) {
-        let sampler = &mut cx.shared.sampler;
-        cx.shared.watch.lock(|watch| {
-            watch.monitor.take_from(place);
-            sampler.lock(|sampler| sampler.spare = Some(place));
-            while watch.monitor.is_solving() {
-                watch.advance(|report| sampler.lock(|sampler| sampler.detector.adopt(report)));
-            }
-        });
+    #[task(priority = 1, shared = [lines])]
+    async fn solve(mut cx: solve::Context) {
+        // More steps than a solve has.
+        cx.shared.lines.lock(|lines| (0..99).for_each(|_| lines.advance()));
     }
 
     /// The recording has ended; of the same priority as `solve`, so that a segment is solved first.
-    #[task(priority = 1, shared = [sampler, watch])]
-    async fn end(cx: end::Context) {
-        (cx.shared.sampler, cx.shared.watch).lock(|sampler, watch| watch.end(sampler));
+    #[task(priority = 1, shared = [lines])]
+    async fn end(mut cx: end::Context) {
+        cx.shared.lines.lock(Lines::end);
         target::succeed()
     }
 }

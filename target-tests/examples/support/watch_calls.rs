@@ -52,7 +52,8 @@ pub fn run(mut show: impl FnMut(&dyn fmt::Display)) {
     for number in 0..opaque(5_u16) {
         opaque(Watch::<Drive, FrontEnd<1, 20>>::sample(&RAW, opaque(motor.sample())));
         let current_a = f32::from(opaque(number));
-        opaque(Watch::<Drive>::sample(&DIRECT, Sample { current_a, velocity_ref_rad_s: 1.0, load_torque_nm: 0.0 }));
+        let sample = Sample { current_a, velocity_ref_rad_s: 1.0, load_torque_nm: 0.0 };
+        opaque((Watch::<Drive>::sample(&DIRECT, sample), Watch::<Drive>::sample_signals(&DIRECT, sample)));
         below(&DIRECT, &mut show);
         below(&RAW, &mut show);
     }
