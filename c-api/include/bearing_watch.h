@@ -73,7 +73,8 @@ enum {
   BW_CODE_NO_VERDICT = -17, // No segment has had a verdict for too long: `BwReport` and `BwAlarm` say why.
   BW_CODE_WRONG_RATE = -18, // Samples do not come at the rate of the model: no segment has a verdict.
   BW_CODE_NOT_A_MODEL = -20, // The bytes are not a model.
-  BW_CODE_MODEL_VERSION = -21, // The model has another format version: train it again.
+  // The model has another format version: a newer one needs a newer library, an older one is trained again.
+  BW_CODE_MODEL_VERSION = -21,
   BW_CODE_MODEL_TRUNCATED = -22, // The model has fewer bytes than its header says.
   BW_CODE_MODEL_CHECKSUM = -23, // The checksum does not match: the model is corrupted.
   BW_CODE_MODEL_VALUE = -24, // A value of the model is out of range.

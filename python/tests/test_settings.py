@@ -70,7 +70,7 @@ def test_a_bearing_is_four_numbers_or_a_designation():
         ((9, 3, 17, 61), "from 0 to 60 degrees"),
         ((2, 3, 17, 10), "from 3 to 100"),
         ((9, 3, 17), "four numbers"),
-        ("6214", "did you mean"),
+        ("6214", "not in the table of published bearings"),
     ):
         with pytest.raises(bw.BearingWatchError, match=problem):
             _core.settings("train", {"bearing": own})

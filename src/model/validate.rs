@@ -189,7 +189,10 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftView<'_>, parts: &ModelV
     // The factor of the balance sums at most as many rows as any other of one level.
     let samples = parts.sampling.segment_samples as u64 * parts.sampling.block_mean as u64;
     let steps = if layout.is_halved() { samples.div_ceil(2) } else { samples };
-    require!(steps / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
+    let Some(rows) = steps.checked_div(balance.row_interval as u64) else {
+        return Err(ModelError::OutOfRange(Field::RowInterval));
+    };
+    require!(rows <= MAX_SEGMENT_ROWS as u64, SegmentLength);
     let most_blocks = steps / least_steps(layout.orders, layout.harmonics);
     require!(layout.orders == 0 || most_blocks <= MAX_BLOCKS as u64, SegmentLength);
     require!(all_powers_of_two(&balance.scale) && all_within(&balance.scale, 0.0, f32::MAX), BalanceScale);

@@ -3,7 +3,7 @@
  * Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.
  */
 #ifdef BEARING_WATCH_MODEL_H
-#if BW_MODEL_ID != 0xa3642cb8u
+#if BW_MODEL_ID != 0x49f1e421u
 #error "another model has this name: train one of them with --c-name"
 #endif
 #else
@@ -14,7 +14,7 @@
 #include "bearing_watch.h"
 
 /* Number of the model, for `bw_start_own`: another model has another one. */
-#define BW_MODEL_ID 0xa3642cb8u
+#define BW_MODEL_ID 0x49f1e421u
 /* Number of bytes. */
 #define BW_MODEL_LENGTH 662u
 /* Interval of the samples, s; 0 if it is unknown. */

@@ -62,6 +62,9 @@ const NO_AXES: [&str; 41] = [
     "new",
 ];
 
+/// Parts of names by which alike currents are the phases of one motor.
+const PHASES: [&str; 6] = ["phase", "phases", "phasen", "phasenstrom", "strang", "winding"];
+
 /// A part of a name: its text in lower case, and where it is.
 struct Part {
     text: String,
@@ -136,9 +139,11 @@ fn axes(names: &[String]) -> BTreeMap<String, Columns> {
     }
     // Of several motors the motion may be in one column, or not recorded.
     let is_short = |part: &String| part.chars().count() == 1 || ["left", "right"].contains(&part.as_str());
+    let is_phase = |name: &str| parts(name).iter().any(|part| PHASES.contains(&part.text.as_str()));
     let of_current = |(part, own): (String, Columns)| {
         let currents: Columns = own
             .into_iter()
+            .filter(|(place, _)| !is_phase(&names[*place]))
             .filter(|(place, (start, end))| is_current(&(names[*place][..*start].to_string() + &names[*place][*end..])))
             .collect();
         (is_short(&part) && !currents.is_empty()).then_some((part, currents))
@@ -278,6 +283,8 @@ mod tests {
             &["i_d", "i_q", "v_d", "v_q", "w"],
             &["ia_A", "ib_A", "ic_A", "speed"],
             &["current_1", "current_2", "current_3", "speed"],
+            &["phase_current_1", "phase_current_2", "vibration_1"],
+            &["Phasenstrom 1", "Phasenstrom 2", "Drehzahl"],
             &["iq_ref", "iq_act", "speed_ref", "speed_act"],
             &["iq_raw", "iq_filtered", "speed_raw", "speed_filtered"],
             &["iq_mean", "speed_mean", "iq_max", "speed_max"],
