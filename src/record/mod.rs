@@ -189,6 +189,11 @@ mod tests {
         let mut input = Input::new(&stored[..length]);
         let _outer = Outer::get(&mut input);
         assert_eq!(input.finish(), Err(Fault::OutOfRange(Field::Label)));
+        // The first fault tells the cause: behind it the bytes have no meaning.
+        let mut short = Input::new(&stored[..length]);
+        let _outer = Outer::get(&mut short);
+        let _beyond = Outer::get(&mut short);
+        assert_eq!(short.finish(), Err(Fault::OutOfRange(Field::Label)));
     }
 
     #[test]
