@@ -1,8 +1,8 @@
 //! The kernels on numbers whose results are known, bit by bit: for the boot of a drive.
 //!
-//! Leaves: nothing, or the first [`ArithmeticFault`] whose results differ from those of the host that trained the model. The
-//! causes are outside the core: another rounding mode, subnormal numbers flushed to zero, a compiler option that
-//! reorders or contracts operations, a `libm` replaced by the linker, flash or registers that changed.
+//! Leaves: nothing, or the first [`ArithmeticFault`] whose results differ from those of the host that trained the
+//! model. The causes are outside the core: another rounding mode, subnormal numbers flushed to zero, a compiler
+//! option that reorders or contracts operations, a `libm` replaced by the linker, flash or registers that changed.
 //!
 //! Rounding mode and flushing belong to the context of the processor, not to the program: an Arm core takes those of
 //! an interrupt from FPDSCR, whatever `main` has set. [`arithmetic_test`] tests them where it is called; the detector

@@ -86,9 +86,10 @@ impl<P: Plan> Report<P> {
         self.averages.cells()
     }
 
-    /// The smallest defect in each rising coordinate of the model, the last ones, that the gate would have found in this
-    /// segment with a probability of 90 %: of friction as a part of the usual one, of a bearing order the amplitude of
-    /// its first harmonic, A. Infinite where the segment shows none. Empty if a projection mixes the features.
+    /// The smallest defect in each rising coordinate of the model, the last ones, that the gate would have found in
+    /// this segment with a probability of 90 %: of friction as a part of the usual one, of a bearing order the
+    /// amplitude of its first harmonic, A. Infinite where the segment shows none. Empty if a projection mixes the
+    /// features.
     #[must_use]
     pub fn smallest(&self) -> &[f32] {
         self.smallest.cells().get(1..).unwrap_or_default()

@@ -142,11 +142,11 @@ enum {
   BW_REASON_NOT_FINITE = 10, // A result of `part` is not a finite number.
   BW_REASON_OTHER = 11, // A reason that this interface does not know.
   // The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the
-  // sign of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current,
-  // 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate; 10
-  // the current follows neither motion nor load; 11 the torque constant; 12 the rate by a clock; 13 the angle is
-  // stuck, 14 it makes steps; 15 the wiring is not decided yet, 16 it is wrong.
-  // 255: what this interface does not know.
+  // sign of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the
+  // current, 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or
+  // the rate; 10 the current follows neither motion nor load; 11 the torque constant; 12 the rate by a clock; 13
+  // the angle is stuck, 14 it makes steps; 15 the wiring is not decided yet, 16 it is wrong. 255: what this
+  // interface does not know.
   BW_REASON_IMPLAUSIBLE = 12,
   // The processor does not compute as the host does where the detector runs; `place` is 0 for the rounding, 1 for
   // subnormal numbers. An interrupt has settings of its own (FPDSCR).
@@ -176,8 +176,8 @@ enum {
   BW_ALIGNMENT_UNDECIDED = 0,
   BW_ALIGNMENT_ALIGNED = 1, // They do.
   BW_ALIGNMENT_MISALIGNED = 2, // They do not: no segment has a verdict.
-  // They are not checked: currents or motion are too small, the drive gives a quadrature current of its own, or it has
-  // no front end. Segments have verdicts.
+  // They are not checked: currents or motion are too small, the drive gives a quadrature current of its own, or it
+  // has no front end. Segments have verdicts.
   BW_ALIGNMENT_UNKNOWN = 3,
 };
 
@@ -274,8 +274,7 @@ typedef struct BwReport {
   // `BW_MODEL_COORDINATE_NAMES` of the model's header; 255 without a healthy class or a verdict.
   uint8_t most;
   bool falls; // Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
-  // Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: nobody has checked the wiring.
-  BwAlignment alignment;
+  BwAlignment alignment; // Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: the wiring is not checked.
 } BwReport;
 
 // The alarm, and what leads to it.
@@ -308,12 +307,11 @@ typedef struct BwStatus {
   uint32_t lost_segments; // Segments that were lost because `bw_advance` came too late.
   // What the context of `bw_collect` computes otherwise than the host: as `bw_known_answer_test`, 0 if nothing.
   uint32_t failed;
-  // Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: nobody has checked the wiring.
-  BwAlignment alignment;
+  BwAlignment alignment; // Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: the wiring is not checked.
 } BwStatus;
 
-// What a front end has refused since the start or `bw_clear_faults`, in samples where nothing else is said, and what is
-// wrong now.
+// What a front end has refused since the start or `bw_clear_faults`, in samples where nothing else is said, and what
+// is wrong now.
 typedef struct BwFrontEndFaults {
   bool clear; // Whether the angle is known, and nothing was refused.
   uint8_t imbalance_phase; // The phase of the imbalance: 0, 1, 2 for a, b, c.
@@ -397,12 +395,12 @@ extern "C" {
 // Returns the number of bytes of memory that `bw_start` needs: with a plan of its own a library needs less.
 size_t bw_state_size(void);
 
-// Starts the diagnosis of a drive in memory of the caller, by a model as `bearing-watch train --model` or `--c` writes
-// it, and gives the address of its state in `state`. `front_end` is that of `bw_front_end_init` for a drive that gives
-// raw counts to `bw_sample_raw`, and belongs to the state from here on; NULL for one that gives signals of its own to
-// `bw_sample`. What follows the model, such as the erased rest of a flash sector, is ignored. The bytes of the model are
-// not needed afterwards. Needs about three times the memory of a model on the stack. Call it before the interrupts
-// run, or behind `bw_stop`: another model and other constants need no reboot.
+// Starts the diagnosis of a drive in memory of the caller, by a model as `bearing-watch train --model` or `--c`
+// writes it, and gives the address of its state in `state`. `front_end` is that of `bw_front_end_init` for a drive
+// that gives raw counts to `bw_sample_raw`, and belongs to the state from here on; NULL for one that gives signals
+// of its own to `bw_sample`. What follows the model, such as the erased rest of a flash sector, is ignored. The
+// bytes of the model are not needed afterwards. Needs about three times the memory of a model on the stack. Call it
+// before the interrupts run, or behind `bw_stop`: another model and other constants need no reboot.
 //
 // Returns `BW_CODE_OK`; or what is wrong with memory or model; `BW_CODE_MODEL_INTERVAL` or `BW_CODE_MODEL_PARK` if the
 // model was trained with another front end, `BW_CODE_FRONT_END_FURTHER` if it has other channels;
@@ -410,9 +408,9 @@ size_t bw_state_size(void);
 // then, and nothing runs that did not run before: a start with a right model may follow.
 //
 // # Safety
-// `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `model` is
-// NULL or has `length` readable bytes. `front_end` is NULL, or was given by `bw_front_end_init` or has as many writable
-// bytes. `state` is NULL or writable. No other function works on the state.
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `model`
+// is NULL or has `length` readable bytes. `front_end` is NULL, or was given by `bw_front_end_init` or has as many
+// writable bytes. `state` is NULL or writable. No other function works on the state.
 BW_MUST_CHECK
 BwCode bw_start(void *memory,
                 size_t size,
@@ -453,19 +451,17 @@ BW_MUST_CHECK BwCode bw_stop(struct BwState *state);
 // (`BwStatus::lost_samples`).
 //
 // Returns `BW_CODE_COLLECT` if samples wait: request the interrupt of `bw_collect`. `BW_CODE_OK` if it interrupted
-// another function of this state; `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_OUT_OF_RANGE` if the state has a front end.
+// another function of this state; `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_OUT_OF_RANGE` if the state has a front
+// end.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_start` or has as many readable bytes. `values` is NULL or has `count` readable
 // values.
-BwCode bw_sample(struct BwState *state,
-                 const float *values,
-                 size_t count,
-                 uint32_t angle);
+BwCode bw_sample(struct BwState *state, const float *values, size_t count, uint32_t angle);
 
-// Takes what the current loop has read, at its rate, in its interrupt. `further` are the further channels of the front
-// end in their order and units, NaN if missing; it may be NULL if `count`, their number, is 0. Wrong counts, angles and
-// values are counted, and are missing from the samples: their channels are NaN.
+// Takes what the current loop has read, at its rate, in its interrupt. `further` are the further channels of the
+// front end in their order and units, NaN if missing; it may be NULL if `count`, their number, is 0. Wrong counts,
+// angles and values are counted, and are missing from the samples: their channels are NaN.
 //
 // Returns `BW_CODE_COLLECT` if samples wait: request the interrupt of `bw_collect`; `BW_CODE_OK`;
 // `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is, or if the state
@@ -502,32 +498,29 @@ BwCode bw_restart(struct BwState *state);
 // last step writes the report and the alarm that stands; either may be NULL.
 //
 // Returns `BW_CODE_REPORT` with the last step; `BW_CODE_WITHDRAWN` if the last report has lost its verdict because a
-// fault was found late (`BW_REASON_FOUND_LATE`): report and alarm are those without it; `BW_CODE_OK` if there is more to
-// do; `BW_CODE_IDLE` if there is no closed segment; or `BW_CODE_BUSY`.
+// fault was found late (`BW_REASON_FOUND_LATE`): report and alarm are those without it; `BW_CODE_OK` if there is
+// more to do; `BW_CODE_IDLE` if there is no closed segment; or `BW_CODE_BUSY`.
 //
 // # Safety
-// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `report` and `alarm` are NULL or writable.
-BwCode bw_advance(struct BwState *state,
-                  struct BwReport *report,
-                  struct BwAlarm *alarm);
+// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `report` and `alarm` are NULL or
+// writable.
+BwCode bw_advance(struct BwState *state, struct BwReport *report, struct BwAlarm *alarm);
 
-// Compares what was done so far with a clock, in milliseconds with wrap-around, which the timer of the samples does not
-// make. Call it in the main loop, as often as you like: the times count from the first call, and anew from `bw_restart`
-// and from the last sample of `bw_check_wiring`.
+// Compares what was done so far with a clock, in milliseconds with wrap-around, which the timer of the samples does
+// not make. Call it in the main loop, as often as you like: the times count from the first call, and anew from
+// `bw_restart` and from the last sample of `bw_check_wiring`.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, `BW_CODE_BUSY`, or why the
 // drive is not watched as it should be, each reason once until it is right again: `BW_CODE_NO_SAMPLE`,
-// `BW_CODE_NOT_COLLECTED` or `BW_CODE_ARITHMETIC` if no sample was taken for three seconds; `BW_CODE_NO_SEGMENT` if no
-// segment has closed for three of its durations and three seconds; `BW_CODE_NO_VERDICT` if none has had a verdict for 24
-// hours; `BW_CODE_WRONG_RATE` if over ten seconds samples did not come at the rate of the model, to two per cent. While
-// they do not, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`), and what the first ten seconds have added to the
-// alarm is taken out again. Rows that come twice, held or interpolated, are found by nothing else.
+// `BW_CODE_NOT_COLLECTED` or `BW_CODE_ARITHMETIC` if no sample was taken for three seconds; `BW_CODE_NO_SEGMENT` if
+// no segment has closed for three of its durations and three seconds; `BW_CODE_NO_VERDICT` if none has had a verdict
+// for 24 hours; `BW_CODE_WRONG_RATE` if over ten seconds samples did not come at the rate of the model, to two per
+// cent. While they do not, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`), and what the first ten seconds have
+// added to the alarm is taken out again. Rows that come twice, held or interpolated, are found by nothing else.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_start` or has as many readable bytes.
-BW_MUST_CHECK
-BwCode bw_clock(struct BwState *state,
-                uint32_t milliseconds);
+BW_MUST_CHECK BwCode bw_clock(struct BwState *state, uint32_t milliseconds);
 
 // Sets other times than those of `bw_clock`, within which samples, segments and verdicts must come, in seconds;
 // `INFINITY` for never. The times count anew.
@@ -605,16 +598,13 @@ BwCode bw_saved_size(const struct BwState *state, size_t *length);
 // `bytes` may be NULL: nothing is written then, and `length` is not used. A segment that is being solved is concluded
 // first, and belongs to the run; the open segment is not saved.
 //
-// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives (the run has ended),
-// or `BW_CODE_BUSY`.
+// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives (the run has
+// ended), or `BW_CODE_BUSY`.
 //
 // # Safety
-// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
-// bytes. `length` is NULL or writable.
-BwCode bw_end_run(struct BwState *state,
-                  uint8_t *bytes,
-                  size_t capacity,
-                  size_t *length);
+// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity`
+// writable bytes. `length` is NULL or writable.
+BwCode bw_end_run(struct BwState *state, uint8_t *bytes, size_t capacity, size_t *length);
 
 // Writes alarm and scores of a run that goes on into `bytes`, for a power-off that comes without a warning. The open
 // segment is not saved.
@@ -623,8 +613,8 @@ BwCode bw_end_run(struct BwState *state,
 // `BW_CODE_BUSY`.
 //
 // # Safety
-// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
-// bytes.
+// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity`
+// writable bytes.
 BW_MUST_CHECK BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 
 // Continues from the alarm and scores that `bw_save` wrote, for this model; there is no report then, and a
@@ -644,13 +634,13 @@ size_t bw_front_end_size(void);
 // Makes a front end without samples in memory of the caller, for `bw_start`, and gives its address in `front_end`. The
 // constants are not needed afterwards. In case of an error the memory is unchanged.
 //
-// Returns `BW_CODE_OK`, or what is wrong with memory or constants: `BW_CODE_FRONT_END_…`, or `BW_CODE_OUT_OF_RANGE` for
-// `park`.
+// Returns `BW_CODE_OK`, or what is wrong with memory or constants: `BW_CODE_FRONT_END_…`, or `BW_CODE_OUT_OF_RANGE`
+// for `park`.
 //
 // # Safety
-// `memory` is NULL or has `size` writable bytes, which nothing else writes until the front end is used no more, also by
-// the state that has it. `constants` is NULL or readable. `front_end` is NULL or writable. No other function works on
-// the front end.
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the front end is used no more, also
+// by the state that has it. `constants` is NULL or readable. `front_end` is NULL or writable. No other function
+// works on the front end.
 BW_MUST_CHECK
 BwCode bw_front_end_init(void *memory,
                          size_t size,
@@ -667,9 +657,9 @@ uint32_t bw_angle(uint32_t counts, uint32_t resolution_bits);
 // 2^24 - 1.
 uint32_t bw_angle_from_cpr(int32_t counts, uint32_t counts_per_turn);
 
-// Takes a reading of a counter of 32 bits; returns the counts within the turn, from 0 on, for the reading of a drive or
-// for `bw_angle_from_cpr`. The counter may wrap: what counts are its differences. 0 if a turn has no counts, or more
-// than 2^24 - 1, or if `counter` is NULL or not aligned.
+// Takes a reading of a counter of 32 bits; returns the counts within the turn, from 0 on, for the reading of a drive
+// or for `bw_angle_from_cpr`. The counter may wrap: what counts are its differences. 0 if a turn has no counts, or
+// more than 2^24 - 1, or if `counter` is NULL or not aligned.
 //
 // # Safety
 // `counter` is NULL or readable and writable. Only one context calls this function for it.

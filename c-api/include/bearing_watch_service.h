@@ -177,8 +177,8 @@ typedef struct BwInfo {
   float interval_s; // Sampling interval, s; 0 if it is unknown.
   uint32_t block_mean; // Samples averaged into one before the regression.
   uint32_t segment_samples; // Samples of a segment, after averaging.
-  // Samples of the next segment within which a segment is to be solved, so that its estimate is the auxiliary model of
-  // instrumental variables.
+  // Samples of the next segment within which a segment is to be solved, so that its estimate is the auxiliary
+  // model of instrumental variables.
   uint32_t handover;
   BwPark park; // Sign convention of the quadrature current.
 } BwInfo;
@@ -403,8 +403,8 @@ BwCode bw_calibration_init(void *memory,
 // `phases` readable values.
 BwCode bw_calibration_push(struct BwCalibration *calibration, const uint16_t *counts, uint8_t phases);
 
-// Puts the measured offsets into constants of a front end; a third phase that was never sampled keeps its own. If one is
-// refused, the constants are unchanged, and `refused` names the first one.
+// Puts the measured offsets into constants of a front end; a third phase that was never sampled keeps its own. If
+// one is refused, the constants are unchanged, and `refused` names the first one.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_CALIBRATION_…`, or `BW_CODE_BUSY`.
 //
@@ -429,19 +429,16 @@ BwCode bw_wiring_init(void *memory,
                       const struct BwWiringLimits *limits,
                       struct BwWiringCheck **wiring);
 
-// Takes a raw sample at commissioning, for a check of the wiring instead of the detector. `velocity_rad_s` is one of the
-// drive's own, NaN if there is none. The times of `bw_clock` count anew behind it.
+// Takes a raw sample at commissioning, for a check of the wiring instead of the detector. `velocity_rad_s` is one of
+// the drive's own, NaN if there is none. The times of `bw_clock` count anew behind it.
 //
-// Returns `BW_CODE_OK`; `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is, or if the state has no front
-// end; or `BW_CODE_BUSY`.
+// Returns `BW_CODE_OK`; `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is, or if the state has no
+// front end; or `BW_CODE_BUSY`.
 //
 // # Safety
-// `state` is NULL, or was given by `bw_start` or has as many readable bytes; likewise `wiring` by `bw_wiring_init`. `raw`
-// is NULL or readable.
-BwCode bw_check_wiring(BwState *state,
-                       const BwRawSample *raw,
-                       float velocity_rad_s,
-                       struct BwWiringCheck *wiring);
+// `state` is NULL, or was given by `bw_start` or has as many readable bytes; likewise `wiring` by `bw_wiring_init`.
+// `raw` is NULL or readable.
+BwCode bw_check_wiring(BwState *state, const BwRawSample *raw, float velocity_rad_s, struct BwWiringCheck *wiring);
 
 // Gives the wiring, or what is wrong with it.
 //
@@ -524,9 +521,9 @@ BwCode bw_raw_recorder_push(struct BwRawRecorder *recorder, const BwRawSample *r
 // them. After another `bw_start` of the state the line has to be initialised again, too.
 //
 // # Safety
-// `memory` is NULL or has `size` writable bytes, which nothing else writes until the line is used no more. `state` is
-// NULL, or was given by `bw_start` or has as many readable bytes, and is there as long as the line. `telemetry` is NULL
-// or writable. No other function works on the line.
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the line is used no more. `state`
+// is NULL, or was given by `bw_start` or has as many readable bytes, and is there as long as the line. `telemetry`
+// is NULL or writable. No other function works on the line.
 BwCode bw_telemetry_init(void *memory,
                          size_t size,
                          const BwState *state,

@@ -35,8 +35,8 @@ pub struct BwInfo {
     pub block_mean: u32,
     /// Samples of a segment, after averaging.
     pub segment_samples: u32,
-    /// Samples of the next segment within which a segment is to be solved, so that its estimate is the auxiliary model of
-    /// instrumental variables.
+    /// Samples of the next segment within which a segment is to be solved, so that its estimate is the auxiliary
+    /// model of instrumental variables.
     pub handover: u32,
     /// Sign convention of the quadrature current.
     pub park: BwPark,
@@ -58,8 +58,13 @@ pub extern "C" fn bw_version() -> *const c_char {
 #[must_use]
 #[unsafe(no_mangle)]
 pub extern "C" fn bw_known_answer_test() -> u32 {
-    let numbers = |wrong: ArithmeticFault| (1..).zip(ArithmeticFault::ALL).find(|(_, kernel)| *kernel == wrong);
-    known_answer_test().err().and_then(numbers).map_or(0, |(number, _)| number)
+    fault_number(known_answer_test().err())
+}
+
+/// The number of a part whose results differ; 0 for none.
+pub(crate) fn fault_number(fault: Option<ArithmeticFault>) -> u32 {
+    let number = |wrong| (1..).zip(ArithmeticFault::ALL).find(|(_, part)| *part == wrong);
+    fault.and_then(number).map_or(0, |(number, _)| number)
 }
 
 /// Gives what the model wants.

@@ -30,9 +30,9 @@ pub struct BwTurnCounter {
     pub within: i32,
 }
 
-/// Takes a reading of a counter of 32 bits; returns the counts within the turn, from 0 on, for the reading of a drive or
-/// for `bw_angle_from_cpr`. The counter may wrap: what counts are its differences. 0 if a turn has no counts, or more
-/// than 2^24 - 1, or if `counter` is NULL or not aligned.
+/// Takes a reading of a counter of 32 bits; returns the counts within the turn, from 0 on, for the reading of a drive
+/// or for `bw_angle_from_cpr`. The counter may wrap: what counts are its differences. 0 if a turn has no counts, or
+/// more than 2^24 - 1, or if `counter` is NULL or not aligned.
 ///
 /// # Safety
 /// `counter` is NULL or readable and writable. Only one context calls this function for it.
@@ -41,8 +41,8 @@ pub unsafe extern "C" fn bw_within_turn(counter: *mut BwTurnCounter, counts: i32
     let (Ok(()), Some(turn)) = (check(counter), EncoderCounts::new(counts_per_turn)) else { return 0 };
     // SAFETY: aligned, and readable and writable by the contract.
     let counter = unsafe { &mut *counter };
-    let mut own = TurnCounter::after(turn, counter.last, counter.within);
-    *counter = BwTurnCounter { last: counts, within: own.within(counts) };
+    let mut after = TurnCounter::after(turn, counter.last, counter.within);
+    *counter = BwTurnCounter { last: counts, within: after.within(counts) };
     counter.within
 }
 

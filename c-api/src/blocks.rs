@@ -1,7 +1,7 @@
 //! Blocks of samples from the interrupt, which fills them, to the main loop, which sends them.
 
 use crate::code::{BwCode, Outcome};
-use crate::lock::Lock;
+use crate::memory::Lock;
 
 /// What gathers the samples of a block.
 pub(crate) trait Gather: Sized + Send {

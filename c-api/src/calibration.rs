@@ -9,8 +9,7 @@ use crate::code::{BwCode, Outcome, code};
 use crate::front_end::constants::BwFrontEndConstants;
 use crate::front_end::faults::place_of;
 use crate::front_end::sample::phase_counts;
-use crate::lock::Lock;
-use crate::memory::{Object, Tag, at, check, elements, get, put, put_object, room};
+use crate::memory::{Lock, Object, Tag, at, check, elements, get, put, put_object, room};
 
 /// Bytes of memory that are enough for `bw_calibration_init`, aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_CALIBRATION_SIZE: usize = 128;
@@ -105,8 +104,8 @@ pub unsafe extern "C" fn bw_calibration_push(
     }))
 }
 
-/// Puts the measured offsets into constants of a front end; a third phase that was never sampled keeps its own. If one is
-/// refused, the constants are unchanged, and `refused` names the first one.
+/// Puts the measured offsets into constants of a front end; a third phase that was never sampled keeps its own. If
+/// one is refused, the constants are unchanged, and `refused` names the first one.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_CALIBRATION_…`, or `BW_CODE_BUSY`.
 ///

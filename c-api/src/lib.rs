@@ -55,7 +55,6 @@ mod code;
 mod flash;
 mod front_end;
 mod growth;
-mod lock;
 mod main_loop;
 mod memory;
 mod names;

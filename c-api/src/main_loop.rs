@@ -3,23 +3,25 @@
 use bearing_watch::watch::Lapse;
 use bearing_watch::{Conclusion, LivenessLimits};
 
+use crate::about::fault_number;
 use crate::alarm::{self, BwAlarm};
 use crate::code::{BwCode, Outcome, code};
 use crate::front_end::faults::{BwAlignment, BwFrontEndFaults};
 use crate::memory::{at, check, put};
 use crate::plan::Own;
-use crate::report::{BwReport, place_in, summary};
+use crate::report::{BwReport, summary};
 use crate::state::BwState;
 
 /// Does the next step of the solve of a closed segment, of bounded cost; call it again and again in the main loop. The
 /// last step writes the report and the alarm that stands; either may be NULL.
 ///
 /// Returns `BW_CODE_REPORT` with the last step; `BW_CODE_WITHDRAWN` if the last report has lost its verdict because a
-/// fault was found late (`BW_REASON_FOUND_LATE`): report and alarm are those without it; `BW_CODE_OK` if there is more to
-/// do; `BW_CODE_IDLE` if there is no closed segment; or `BW_CODE_BUSY`.
+/// fault was found late (`BW_REASON_FOUND_LATE`): report and alarm are those without it; `BW_CODE_OK` if there is
+/// more to do; `BW_CODE_IDLE` if there is no closed segment; or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `report` and `alarm` are NULL or writable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `report` and `alarm` are NULL or
+/// writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_advance(state: *mut BwState, report: *mut BwReport, alarm: *mut BwAlarm) -> BwCode {
     // SAFETY: the same contract.
@@ -49,17 +51,17 @@ unsafe fn advance(state: &BwState, report: *mut BwReport, alarm_to: *mut BwAlarm
     })
 }
 
-/// Compares what was done so far with a clock, in milliseconds with wrap-around, which the timer of the samples does not
-/// make. Call it in the main loop, as often as you like: the times count from the first call, and anew from `bw_restart`
-/// and from the last sample of `bw_check_wiring`.
+/// Compares what was done so far with a clock, in milliseconds with wrap-around, which the timer of the samples does
+/// not make. Call it in the main loop, as often as you like: the times count from the first call, and anew from
+/// `bw_restart` and from the last sample of `bw_check_wiring`.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the interval of the model is not known, `BW_CODE_BUSY`, or why the
 /// drive is not watched as it should be, each reason once until it is right again: `BW_CODE_NO_SAMPLE`,
-/// `BW_CODE_NOT_COLLECTED` or `BW_CODE_ARITHMETIC` if no sample was taken for three seconds; `BW_CODE_NO_SEGMENT` if no
-/// segment has closed for three of its durations and three seconds; `BW_CODE_NO_VERDICT` if none has had a verdict for 24
-/// hours; `BW_CODE_WRONG_RATE` if over ten seconds samples did not come at the rate of the model, to two per cent. While
-/// they do not, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`), and what the first ten seconds have added to the
-/// alarm is taken out again. Rows that come twice, held or interpolated, are found by nothing else.
+/// `BW_CODE_NOT_COLLECTED` or `BW_CODE_ARITHMETIC` if no sample was taken for three seconds; `BW_CODE_NO_SEGMENT` if
+/// no segment has closed for three of its durations and three seconds; `BW_CODE_NO_VERDICT` if none has had a verdict
+/// for 24 hours; `BW_CODE_WRONG_RATE` if over ten seconds samples did not come at the rate of the model, to two per
+/// cent. While they do not, no segment has a verdict (`BW_REASON_IMPLAUSIBLE`), and what the first ten seconds have
+/// added to the alarm is taken out again. Rows that come twice, held or interpolated, are found by nothing else.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_start` or has as many readable bytes.
@@ -117,7 +119,7 @@ pub struct BwStatus {
     pub lost_segments: u32,
     /// What the context of `bw_collect` computes otherwise than the host: as `bw_known_answer_test`, 0 if nothing.
     pub failed: u32,
-    /// Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: nobody has checked the wiring.
+    /// Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: the wiring is not checked.
     pub alignment: BwAlignment,
 }
 
@@ -129,15 +131,13 @@ pub struct BwStatus {
 pub unsafe extern "C" fn bw_status(state: *mut BwState, status: *mut BwStatus) -> BwCode {
     // SAFETY: the same contract.
     let told = unsafe { at(state) }.map(|state| {
-        let own = state.watch.status();
+        let status = state.watch.status();
         BwStatus {
-            samples: own.rows,
-            lost_samples: own.lost_samples,
-            lost_segments: own.lost_segments,
-            failed: own
-                .failed
-                .map_or(0, |kernel| u32::from(place_in(bearing_watch::ArithmeticFault::ALL, &kernel)) + 1),
-            alignment: own.alignment.into(),
+            samples: status.rows,
+            lost_samples: status.lost_samples,
+            lost_segments: status.lost_segments,
+            failed: fault_number(status.failed),
+            alignment: status.alignment.into(),
         }
     });
     // SAFETY: the same contract.

@@ -3,6 +3,8 @@
 use core::ffi::c_void;
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use spin::mutex::SpinMutex;
+
 use crate::code::{BwCode, Outcome};
 
 /// Alignment of the memory of a state, bytes, and of the memory of all other objects.
@@ -167,6 +169,25 @@ pub(crate) unsafe fn put<T>(place: *mut T, value: T) -> Outcome<()> {
     // SAFETY: aligned, and writable by the contract.
     unsafe { place.write(value) };
     Ok(())
+}
+
+/// A value that one function at a time works on; others are refused, not made to wait.
+#[derive(Debug)]
+pub(crate) struct Lock<T>(SpinMutex<T>);
+
+impl<T> Lock<T> {
+    pub(crate) const fn new(value: T) -> Self {
+        Self(SpinMutex::new(value))
+    }
+
+    /// Works on the value.
+    ///
+    /// # Errors
+    /// [`BwCode::Busy`] if another function works on it.
+    #[inline]
+    pub(crate) fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> Outcome<R> {
+        self.0.try_lock().map(|mut value| work(&mut value)).ok_or(BwCode::Busy)
+    }
 }
 
 #[cfg(test)]

@@ -53,11 +53,11 @@ pub enum BwReason {
     /// A reason that this interface does not know.
     Other = 11,
     /// The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the
-    /// sign of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current,
-    /// 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate; 10
-    /// the current follows neither motion nor load; 11 the torque constant; 12 the rate by a clock; 13 the angle is
-    /// stuck, 14 it makes steps; 15 the wiring is not decided yet, 16 it is wrong.
-    /// 255: what this interface does not know.
+    /// sign of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the
+    /// current, 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or
+    /// the rate; 10 the current follows neither motion nor load; 11 the torque constant; 12 the rate by a clock; 13
+    /// the angle is stuck, 14 it makes steps; 15 the wiring is not decided yet, 16 it is wrong. 255: what this
+    /// interface does not know.
     Implausible = 12,
     /// The processor does not compute as the host does where the detector runs; `place` is 0 for the rounding, 1 for
     /// subnormal numbers. An interrupt has settings of its own (FPDSCR).
@@ -132,7 +132,7 @@ pub struct BwReport {
     pub most: u8,
     /// Whether that one is below its usual value: no bearing defect, but a lost load or belt, or a sensor.
     pub falls: bool,
-    /// Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: nobody has checked the wiring.
+    /// Whether the currents turn with the rotor; `BW_ALIGNMENT_UNKNOWN`: the wiring is not checked.
     pub alignment: BwAlignment,
 }
 
@@ -256,6 +256,6 @@ const fn part(part: Part) -> BwPart {
 }
 
 /// The place of a value among all; 255 for what a later version of the core adds.
-pub(crate) fn place_in<T: PartialEq, const N: usize>(all: [T; N], value: &T) -> u8 {
+fn place_in<T: PartialEq, const N: usize>(all: [T; N], value: &T) -> u8 {
     (0..).zip(all).find(|(_, other)| other == value).map_or(u8::MAX, |(place, _)| place)
 }

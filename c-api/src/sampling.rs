@@ -16,7 +16,8 @@ use crate::state::BwState;
 /// (`BwStatus::lost_samples`).
 ///
 /// Returns `BW_CODE_COLLECT` if samples wait: request the interrupt of `bw_collect`. `BW_CODE_OK` if it interrupted
-/// another function of this state; `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_OUT_OF_RANGE` if the state has a front end.
+/// another function of this state; `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_OUT_OF_RANGE` if the state has a front
+/// end.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `values` is NULL or has `count` readable
@@ -37,9 +38,9 @@ pub unsafe extern "C" fn bw_sample(state: *mut BwState, values: *const f32, coun
     }))
 }
 
-/// Takes what the current loop has read, at its rate, in its interrupt. `further` are the further channels of the front
-/// end in their order and units, NaN if missing; it may be NULL if `count`, their number, is 0. Wrong counts, angles and
-/// values are counted, and are missing from the samples: their channels are NaN.
+/// Takes what the current loop has read, at its rate, in its interrupt. `further` are the further channels of the
+/// front end in their order and units, NaN if missing; it may be NULL if `count`, their number, is 0. Wrong counts,
+/// angles and values are counted, and are missing from the samples: their channels are NaN.
 ///
 /// Returns `BW_CODE_COLLECT` if samples wait: request the interrupt of `bw_collect`; `BW_CODE_OK`;
 /// `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is, or if the state

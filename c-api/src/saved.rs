@@ -25,12 +25,12 @@ pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize
 /// `bytes` may be NULL: nothing is written then, and `length` is not used. A segment that is being solved is concluded
 /// first, and belongs to the run; the open segment is not saved.
 ///
-/// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives (the run has ended),
-/// or `BW_CODE_BUSY`.
+/// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives (the run has
+/// ended), or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
-/// bytes. `length` is NULL or writable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity`
+/// writable bytes. `length` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_end_run(
     state: *mut BwState,
@@ -58,8 +58,8 @@ pub unsafe extern "C" fn bw_end_run(
 /// `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
-/// bytes.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes. `bytes` is NULL or has `capacity`
+/// writable bytes.
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: usize) -> BwCode {

@@ -64,12 +64,12 @@ pub extern "C" fn bw_state_size() -> usize {
     size_of::<WithModel>()
 }
 
-/// Starts the diagnosis of a drive in memory of the caller, by a model as `bearing-watch train --model` or `--c` writes
-/// it, and gives the address of its state in `state`. `front_end` is that of `bw_front_end_init` for a drive that gives
-/// raw counts to `bw_sample_raw`, and belongs to the state from here on; NULL for one that gives signals of its own to
-/// `bw_sample`. What follows the model, such as the erased rest of a flash sector, is ignored. The bytes of the model are
-/// not needed afterwards. Needs about three times the memory of a model on the stack. Call it before the interrupts
-/// run, or behind `bw_stop`: another model and other constants need no reboot.
+/// Starts the diagnosis of a drive in memory of the caller, by a model as `bearing-watch train --model` or `--c`
+/// writes it, and gives the address of its state in `state`. `front_end` is that of `bw_front_end_init` for a drive
+/// that gives raw counts to `bw_sample_raw`, and belongs to the state from here on; NULL for one that gives signals
+/// of its own to `bw_sample`. What follows the model, such as the erased rest of a flash sector, is ignored. The
+/// bytes of the model are not needed afterwards. Needs about three times the memory of a model on the stack. Call it
+/// before the interrupts run, or behind `bw_stop`: another model and other constants need no reboot.
 ///
 /// Returns `BW_CODE_OK`; or what is wrong with memory or model; `BW_CODE_MODEL_INTERVAL` or `BW_CODE_MODEL_PARK` if the
 /// model was trained with another front end, `BW_CODE_FRONT_END_FURTHER` if it has other channels;
@@ -77,9 +77,9 @@ pub extern "C" fn bw_state_size() -> usize {
 /// then, and nothing runs that did not run before: a start with a right model may follow.
 ///
 /// # Safety
-/// `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `model` is
-/// NULL or has `length` readable bytes. `front_end` is NULL, or was given by `bw_front_end_init` or has as many writable
-/// bytes. `state` is NULL or writable. No other function works on the state.
+/// `memory` is NULL or has `size` writable bytes, which nothing else writes until the state is used no more. `model`
+/// is NULL or has `length` readable bytes. `front_end` is NULL, or was given by `bw_front_end_init` or has as many
+/// writable bytes. `state` is NULL or writable. No other function works on the state.
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_start(
@@ -173,8 +173,8 @@ unsafe fn place_model(whole: *mut WithModel, bytes: &[u8], front_end: *const BwF
     let model = ManuallyDrop::new(Model::<Own>::from_sector(bytes));
     match &*model {
         Ok(model) => {
-            // SAFETY: the contract of the caller; the other model is neither used nor dropped after this. To take it out
-            // of the result would move it once more on the stack.
+            // SAFETY: the contract of the caller; the other model is neither used nor dropped after this. To take it
+            // out of the result would move it once more on the stack.
             unsafe {
                 fits(model, front_end)?;
                 is_free(&raw const (*whole).state)?;
@@ -196,16 +196,16 @@ unsafe fn fill(
     front_end: *mut BwFrontEnd,
     state: *mut *mut BwState,
 ) -> Outcome {
-    // SAFETY: the contract of the caller; a state that was here before owns nothing that would have to be dropped, and the
-    // memory is there until the new one is used no more.
+    // SAFETY: the contract of the caller; a state that was here before owns nothing that would have to be dropped,
+    // and the memory is there until the new one is used no more.
     unsafe {
-        let front = Front::take(front_end, model)?;
+        let (front, further) = Front::take(front_end, model)?;
         (&raw mut (*own).tag).write(Tag::none());
         (&raw mut (*own).model).write(model);
-        (&raw mut (*own).further).write(front.further());
+        (&raw mut (*own).further).write(further);
         (&raw mut (*own).watch).write(Watch::new());
         let watch: &'static Watch<Own, Front> = &(*own).watch;
-        watch.start_around(model, front).map_err(|_| BwCode::Arithmetic)?;
+        watch.start_around(model, front).map_err(|_| BwCode::Busy)?; // a new watch has no start
         (*own).tag.set(own);
         put(state, own)?;
     }

@@ -7,8 +7,7 @@ use bearing_watch::model::Label;
 use bearing_watch::telemetry::{Encoder, RawEncoder, Source, TooSmall};
 
 use crate::code::{BwCode, Outcome, code};
-use crate::lock::Lock;
-use crate::memory::{Object, Tag, at, check, elements_mut, put, put_object, room};
+use crate::memory::{Lock, Object, Tag, at, check, elements_mut, put, put_object, room};
 use crate::plan::{
     BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COORDINATES, BW_MAX_DIRECTIONS, BW_MAX_FEATURES, BW_MAX_ORDERS,
     BW_MAX_RISING, Own,
@@ -67,9 +66,9 @@ enum Line {
 /// them. After another `bw_start` of the state the line has to be initialised again, too.
 ///
 /// # Safety
-/// `memory` is NULL or has `size` writable bytes, which nothing else writes until the line is used no more. `state` is
-/// NULL, or was given by `bw_start` or has as many readable bytes, and is there as long as the line. `telemetry` is NULL
-/// or writable. No other function works on the line.
+/// `memory` is NULL or has `size` writable bytes, which nothing else writes until the line is used no more. `state`
+/// is NULL, or was given by `bw_start` or has as many readable bytes, and is there as long as the line. `telemetry`
+/// is NULL or writable. No other function works on the line.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_telemetry_init(
     memory: *mut c_void,

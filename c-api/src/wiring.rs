@@ -8,8 +8,7 @@ use bearing_watch::drive::{Wiring, WiringCheck, WiringFault, WiringLimits};
 use crate::code::{BwCode, code};
 use crate::front_end::constants::BwFrontEndConstants;
 use crate::front_end::sample::{BwRawSample, read};
-use crate::lock::Lock;
-use crate::memory::{Object, Tag, at, get, put, put_object, room};
+use crate::memory::{Lock, Object, Tag, at, get, put, put_object, room};
 use crate::state::BwState;
 
 /// Bytes of memory that are enough for `bw_wiring_init`, aligned to `BW_STATE_ALIGN` bytes.
@@ -164,15 +163,15 @@ pub unsafe extern "C" fn bw_wiring_init(
     }))
 }
 
-/// Takes a raw sample at commissioning, for a check of the wiring instead of the detector. `velocity_rad_s` is one of the
-/// drive's own, NaN if there is none. The times of `bw_clock` count anew behind it.
+/// Takes a raw sample at commissioning, for a check of the wiring instead of the detector. `velocity_rad_s` is one of
+/// the drive's own, NaN if there is none. The times of `bw_clock` count anew behind it.
 ///
-/// Returns `BW_CODE_OK`; `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is, or if the state has no front
-/// end; or `BW_CODE_BUSY`.
+/// Returns `BW_CODE_OK`; `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is, or if the state has no
+/// front end; or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `state` is NULL, or was given by `bw_start` or has as many readable bytes; likewise `wiring` by `bw_wiring_init`. `raw`
-/// is NULL or readable.
+/// `state` is NULL, or was given by `bw_start` or has as many readable bytes; likewise `wiring` by `bw_wiring_init`.
+/// `raw` is NULL or readable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_check_wiring(
     state: *mut BwState,

@@ -147,8 +147,9 @@ fn made(root: &Path, header: &Header) -> String {
     compact(&String::from_utf8(bytes).expect("text"))
 }
 
-/// A comment of one line stands behind its field or value, if there is room. An enumeration is one of C and of C++ alike,
-/// and its type is `int`: that has 32 bits too, but `%d` prints it everywhere, and newlib's `int32_t` is `long`.
+/// A comment of one line stands behind its field or value, if there is room. An enumeration is one of C and of C++
+/// alike, and its type is `int`: that has 32 bits too, but `%d` prints it everywhere, and newlib's `int32_t` is
+/// `long`.
 fn compact(text: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
     // The end of what is left out, whether an enumeration is open, and comments in a row.

@@ -1,5 +1,5 @@
-//! The main loop of the README in C, on the host: samples that were lost while the lower interrupt did not run are counted,
-//! and then everything goes on; what ends the diagnosis is told in words; and a wrong wiring has no verdict.
+//! The main loop of the README in C, on the host: samples that were lost while the lower interrupt did not run are
+//! counted, and then everything goes on; what ends the diagnosis is told in words; and a wrong wiring has no verdict.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by a panic")]
 
 use std::path::{Path, PathBuf};

@@ -44,10 +44,8 @@ fn print(number: u32, Conclusion { report, alarm, .. }: Conclusion<'_, Drive>) {
     let rows = report.rows;
     let end = if alarm.is_some() { ", ALARM" } else { "" };
     match report.verdict {
-        Verdict::Class(class) => say!("segment {number}: {rows} rows, {}{end}", MODEL.label(class)),
-        Verdict::Novel => say!("segment {number}: {rows} rows, novel{end}"),
-        Verdict::Ambiguous => say!("segment {number}: {rows} rows, ambiguous{end}"),
         Verdict::Undetermined(reason) => say!("segment {number}: {rows} rows, {reason}{end}"),
+        verdict => say!("segment {number}: {rows} rows, {}{end}", MODEL.verdict_name(verdict)),
     }
     let mut hash = Hash::new();
     report.estimate().into_iter().for_each(|estimate| hash.add_estimate(estimate));

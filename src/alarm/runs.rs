@@ -19,20 +19,20 @@
 //!
 //! v is the variance of the error of a segment's y, and n the number of segments of the run. U, B and W are the
 //! variances between drives, runs of a drive, and segments of a run; n₀ is a usual n. ρ is the correlation of the
-//! offsets b of successive runs, as of weather; α − c r is the offset that is expected of a drive with the mean r, P the
-//! variance of its error: (10) is Kalman's filter. With ρ = 0 nothing is expected, y = x and P = B.
+//! offsets b of successive runs, as of weather; α − c r is the offset that is expected of a drive with the mean r, P
+//! the variance of its error: (10) is Kalman's filter. With ρ = 0 nothing is expected, y = x and P = B.
 //!
 //! **Why this keeps the set time.** Let the drive's mean be u ≤ r. Given the runs before, y has the mean h u and the
-//! variance s²: α and c hold for any mean. Then L = exp(δ s₀ (y − h r)/s² − (δ s₀)²/(2 s²)), s₀² = P + W/n₀, is at most
-//! the ratio of the densities of the run's segments, given the runs before, with an offset that is δ s₀ larger and
-//! without; the offset b of the run is integrated out. So L is a supermartingale in the segments, however they depend
-//! on each other through b, and so is min(L, e^cap), since the minimum is concave. With R ← (R + n) L over runs, E R ≤ the
-//! number of segments so far, also where one stops within a run; e^T ≤ R, as the floor and the lesser of n and n₀ only
-//! lower T. Hence the mean number of segments until a score reaches the limit is at least e^limit (Lorden 1971; Shin,
-//! Ramdas and Rinaldo, e-detectors, 2023), and the rates of all scores at most add up: (7). These are e-processes under
-//! a normal law with random effects; they are not conformal. (10) deviates from this law where a run is unexpected by
-//! more than four deviations, 1 of 16 000: its offset lasts as if it were by four. What comes and does not go is a
-//! defect, and a disturbed run does not last; unlimited, the filter would expect either to stay.
+//! variance s²: α and c hold for any mean. Then L = exp(δ s₀ (y − h r)/s² − (δ s₀)²/(2 s²)), s₀² = P + W/n₀, is at
+//! most the ratio of the densities of the run's segments, given the runs before, with an offset that is δ s₀ larger
+//! and without; the offset b of the run is integrated out. So L is a supermartingale in the segments, however they
+//! depend on each other through b, and so is min(L, e^cap), since the minimum is concave. With R ← (R + n) L over
+//! runs, E R ≤ the number of segments so far, also where one stops within a run; e^T ≤ R, as the floor and the lesser
+//! of n and n₀ only lower T. Hence the mean number of segments until a score reaches the limit is at least e^limit
+//! (Lorden 1971; Shin, Ramdas and Rinaldo, e-detectors, 2023), and the rates of all scores at most add up: (7). These
+//! are e-processes under a normal law with random effects; they are not conformal. (10) deviates from this law where
+//! a run is unexpected by more than four deviations, 1 of 16 000: its offset lasts as if it were by four. What comes
+//! and does not go is a defect, and a disturbed run does not last; unlimited, the filter would expect either to stay.
 //!
 //! **The reference** is the posterior of the drive's offset, by the law of the fleet on the first day and sharper with
 //! each run (8). What is not known of it is one offset for all runs: were it part of s², each run would be believed and

@@ -8,12 +8,12 @@
 //! friction p ± σ:   f = p,  v = σ²;     f = ln m,  v = (σ/m)²,  m = max(p, σ)         (1)
 //! ```
 //!
-//! p and σ are those of the rows alone, without the prior of p, which would draw the friction of a defect towards that
-//! of healthy drives ([`TorqueBalance::without_prior`]). Where the rows say nothing of it beside its prior, the feature is
-//! missing, and so is an order that the shaft has turned too little for. No deviation is known of the other features,
-//! and a score is already relative to its deviation: v = 0. The logarithm (1) suits a friction that varies by a factor
-//! between drives. Below its standard deviation a value does not differ from zero; it counts as σ, with v = 1. A
-//! missing feature has an infinite variance.
+//! p and σ are those of the rows alone, without the prior of p, which would draw the friction of a defect towards
+//! that of healthy drives ([`TorqueBalance::without_prior`]). Where the rows say nothing of it beside its prior, the
+//! feature is missing, and so is an order that the shaft has turned too little for. No deviation is known of the
+//! other features, and a score is already relative to its deviation: v = 0. The logarithm (1) suits a friction that
+//! varies by a factor between drives. Below its standard deviation a value does not differ from zero; it counts as σ,
+//! with v = 1. A missing feature has an infinite variance.
 //!
 //! Raw parameters a, b, c and physical constants are affine combinations of these features; the projection forms them.
 //! The cube root of a mean of squares is nearly normal (Wilson and Hilferty 1931), as discriminant and gate assume.

@@ -82,8 +82,8 @@ pub struct Conclusion<'a, P: Plan> {
     pub silence: Option<Silence>,
     /// What the alarm is made of.
     pub evidence: &'a Evidence<P>,
-    /// Whether this is the report of the last time, which has lost its verdict because a fault was found late; the alarm
-    /// is that without it.
+    /// Whether this is the report of the last time, which has lost its verdict because a fault was found late; the
+    /// alarm is that without it.
     pub withdrawn: bool,
 }
 
@@ -164,9 +164,9 @@ impl<'m, P: Plan> Monitor<'m, P> {
         self.on_trial = true;
     }
 
-    /// What the front end knows of the wiring: no segment has a verdict before its currents were seen to turn with the
-    /// rotor ([`Implausible::WiringUndecided`]), or where they do not ([`Implausible::Wiring`]). A front end that cannot
-    /// tell, and a drive without one, is [`Alignment::Unknown`], as at first.
+    /// What the front end knows of the wiring: no segment has a verdict before its currents were seen to turn with
+    /// the rotor ([`Implausible::WiringUndecided`]), or where they do not ([`Implausible::Wiring`]). A front end that
+    /// cannot tell, and a drive without one, is [`Alignment::Unknown`], as at first.
     pub const fn tell_alignment(&mut self, alignment: Alignment) {
         self.alignment = alignment;
     }
@@ -278,18 +278,18 @@ impl<'m, P: Plan> Monitor<'m, P> {
     /// Withdraws the report of the segment with this number, which [`Detector::discard`] has returned; returns whether
     /// there is one that may be withdrawn. The next segment does it too, but comes later.
     pub fn withdraw(&mut self, number: u32) -> bool {
-        let withdrawn = self.work == Work::Withdrawable && self.sequence.is(number);
-        if withdrawn {
-            self.settle(true);
-        }
-        withdrawn
+        self.withdraw_if(self.sequence.is(number))
     }
 
     /// As [`Monitor::withdraw`], of the report before a segment that is to be taken next.
     #[cfg(all(feature = "watch", target_has_atomic = "8"))]
     pub(crate) fn withdraw_before(&mut self, next: Option<&Segment<P>>) -> bool {
-        let doubted = next.is_some_and(|next| next.sequence.withdraws_that(self.sequence));
-        let withdrawn = doubted && self.work == Work::Withdrawable;
+        self.withdraw_if(next.is_some_and(|next| next.sequence.withdraws_that(self.sequence)))
+    }
+
+    /// Withdraws the report if it is in doubt and may be withdrawn; returns whether it was.
+    fn withdraw_if(&mut self, doubtful: bool) -> bool {
+        let withdrawn = doubtful && self.work == Work::Withdrawable;
         if withdrawn {
             self.settle(true);
         }

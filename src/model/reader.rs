@@ -4,8 +4,8 @@
 
 use super::{
     Blocks, Channel, Classifier, Constants, Covariate, Covariates, Direction, Directions, Discriminant,
-    EvidenceConstants, Feature, Field, Forgetting, KNOTS, Lags, Name, Novelty, Projection, Regression, Rise, Sampling,
-    ShaftConstants, TorqueBalance, TrackedOrder, Tracking,
+    EvidenceConstants, Feature, Field, Forgetting, KNOTS, Lags, Law, Name, Novelty, Projection, Regression, Rise,
+    Sampling, ShaftConstants, TorqueBalance, TrackedOrder, Tracking,
 };
 use crate::plan::{
     Cells, Kind, Layout, Memory, Method, Plan, Presence as _, RegressionLayout, ShaftLayout, Signal, Structure,
@@ -17,8 +17,8 @@ fn floats<C: Cells<f32>>(input: &mut Input<'_>, length: usize) -> C {
     C::from_fn(length, |_| input.f32())
 }
 
-fn fill(input: &mut Input<'_>, cells: &mut [f32]) {
-    cells.iter_mut().for_each(|cell| *cell = input.f32());
+fn law(input: &mut Input<'_>) -> Law {
+    [[0.0; 2]; KNOTS].map(|_| [input.f32(), input.f32()])
 }
 
 fn name<const N: usize>(input: &mut Input<'_>, field: Field) -> Name<N> {
@@ -153,12 +153,12 @@ fn read_novelty<P: Plan>(input: &mut Input<'_>, plan: P) -> Novelty<P> {
     }
     novelty.mean = floats(input, layout.coordinates as usize);
     novelty.factor = floats(input, layout.density());
-    novelty.knots = [[0.0; 2]; KNOTS].map(|_| [input.f32(), input.f32()]);
+    novelty.knots = law(input);
     novelty.limit = input.f32();
     if layout.rising > 0 {
         (novelty.freedom, novelty.acceptable) = (input.f32(), input.f32());
         novelty.rises = Cells::from_fn(layout.laws(), |_| Rise::get(input));
-        fill(input, novelty.laws.cells_mut().as_flattened_mut().as_flattened_mut());
+        novelty.laws = Cells::from_fn(layout.laws(), |_| law(input));
     }
     if layout.directions > 0 {
         novelty.directions = Directions {

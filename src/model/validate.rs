@@ -1,9 +1,9 @@
 //! The checks of a model. They run at compile time for exported constants, and when a binary model is read.
 //!
-//! Enters: the numbers of a model as [`ModelView`]. Leaves: nothing, or the first [`ModelError`]. Every length must match
-//! the layout, every number its plausible range: what a range excludes is no product of training, and would leave the
-//! range of `f32`, or a gate or an alarm without effect, behind a good checksum. An infinite limit is a choice: nothing
-//! is novel, no alarm, no rejection. The code is `const`, so it walks slices by patterns.
+//! Enters: the numbers of a model as [`ModelView`]. Leaves: nothing, or the first [`ModelError`]. Every length must
+//! match the layout, every number its plausible range: what a range excludes is no product of training, and would
+//! leave the range of `f32`, or a gate or an alarm without effect, behind a good checksum. An infinite limit is a
+//! choice: nothing is novel, no alarm, no rejection. The code is `const`, so it walks slices by patterns.
 
 use super::error::ModelError;
 use super::parts::{ModelView, RegressionView, RunsView, ShaftView};

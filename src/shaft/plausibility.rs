@@ -31,8 +31,8 @@
 //! Of an angle that never changes and a velocity made of it (6), the balance explains the mean of the current and what
 //! follows the load; a shaft that is held against a load that is not measured looks alike, and has no verdict either.
 //! A step is a change of the angle's motion from one sample to the next beyond
-//! [`TorqueBalance::largest_change_rad`](super::balance::TorqueBalance), and beyond twice that by which the present current moves
-//! the inertia: its sample is refused, and many of them are rows that are lost (7).
+//! [`TorqueBalance::largest_change_rad`](super::balance::TorqueBalance), and beyond twice that by which the present
+//! current moves the inertia: its sample is refused, and many of them are rows that are lost (7).
 //!
 //! Not found are a wrong sign without a load if the load that was not measured explains the current of training better
 //! than the motion does; scales and rates that are wrong by less than √2, or by less than the healthy values of the

@@ -12,8 +12,8 @@ use crate::signal::{Angle, Travel, TravelSums, read};
 
 /// A count of 2⁻³² turn, rad.
 const RAD_A_COUNT: f32 = TAU / 4_294_967_296.0;
-/// Velocity from which motion is compared with the angle, in units of [`TorqueBalance::sign_velocity_rad_s`], which is three
-/// standard deviations of the velocity's noise: an offset of one deviation is then 1/12 of the velocity.
+/// Velocity from which motion is compared with the angle, in units of [`TorqueBalance::sign_velocity_rad_s`], which
+/// is three standard deviations of the velocity's noise: an offset of one deviation is then 1/12 of the velocity.
 const SLOWEST: f32 = 4.0;
 /// Lost samples in a row that are bridged.
 pub const BRIDGE: u8 = 8;

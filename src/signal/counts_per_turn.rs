@@ -81,7 +81,7 @@ impl TurnCounter {
     /// Behind this reading, which had so many counts within the turn.
     #[must_use]
     pub const fn after(turn: EncoderCounts, last: i32, within: i32) -> Self {
-        Self { turn, last, within }
+        Self { turn, last, within: self::within(within, turn) }
     }
 
     /// Takes a reading of the counter; returns the counts within the turn, for the reading of a drive or for
@@ -89,7 +89,7 @@ impl TurnCounter {
     pub const fn within(&mut self, counts: i32) -> i32 {
         // Both parts are below 2²⁴, so that their sum does not wrap, and (2) is exact.
         let step = within(counts.wrapping_sub(self.last), self.turn);
-        self.within = within(within(self.within, self.turn).wrapping_add(step), self.turn);
+        self.within = within(self.within.wrapping_add(step), self.turn);
         self.last = counts;
         self.within
     }

@@ -2,6 +2,7 @@
 
 use super::inputs::{Inputs, StartError};
 use super::link::count;
+use super::slot::Content;
 use super::source::{Sampled, Source};
 use super::{Collector, Main, Watch, take};
 use crate::drive::{Alignment, By, CleanSample, Factor, Faults, FrontEnd, FrontEndConstants, WiringCheck};
@@ -23,6 +24,7 @@ where
         let front_end = FrontEnd::new(constants).map_err(StartError::FrontEnd)?;
         model.check_rotor_frame(front_end.frame()).map_err(StartError::Model)?;
         model.check_interval(FACTOR as f32 / constants.control_rate_hz).map_err(StartError::Model)?;
+        known_answer_test().map_err(StartError::Arithmetic)?;
         self.start_around(model, front_end)
     }
 }
@@ -33,6 +35,7 @@ impl<P: Plan> Watch<P> {
     /// # Errors
     /// As with a front end.
     pub fn start(&'static self, model: &'static Model<P>) -> Result<(), StartError> {
+        known_answer_test().map_err(StartError::Arithmetic)?;
         self.start_parts(model, (), None)
     }
 
@@ -49,10 +52,10 @@ where
     P::Sample: From<F::Clean>,
 {
     /// As [`Watch::start`], around a front end that the caller has checked against the model
-    /// ([`Model::check_rotor_frame`], [`Model::check_interval`]).
+    /// ([`Model::check_rotor_frame`], [`Model::check_interval`]), where [`known_answer_test`] has passed.
     ///
     /// # Errors
-    /// As [`Watch::start`].
+    /// [`StartError::Started`].
     pub fn start_around(&'static self, model: &'static Model<P>, front_end: F) -> Result<(), StartError> {
         let faults = front_end.faults();
         self.start_parts(model, front_end, faults)
@@ -109,7 +112,6 @@ impl<P: Plan, F> Watch<P, F> {
         front_end: F,
         faults: Option<Faults>,
     ) -> Result<(), StartError> {
-        known_answer_test().map_err(StartError::Arithmetic)?;
         let held = (self.inputs.hold(), self.collector.hold(), self.main.hold(), self.link.faults.hold());
         let (Some(mut inputs), Some(mut collector), Some(mut main), Some(mut told)) = held else {
             return Err(StartError::Started);
@@ -119,10 +121,7 @@ impl<P: Plan, F> Watch<P, F> {
         main.fill(|| Main::new(model));
         collector.fill(|| Collector::new(model, first));
         inputs.fill(|| Inputs::new(front_end));
-        told.take();
-        if let Some(faults) = faults {
-            told.fill(|| faults);
-        }
+        *told = faults.map_or(Content::Empty, Content::Full);
         Ok(())
     }
 

@@ -20,7 +20,8 @@ pub enum Lapse {
     NotCollected,
     /// The context of [`Watch::collect`] computes otherwise than the host of the training: no segment closes.
     Arithmetic(ArithmeticFault),
-    /// Samples come, but no segment closes: each is lost because [`Watch::advance`] is not called, or they are too rare.
+    /// Samples come, but no segment closes: each is lost because [`Watch::advance`] is not called, or they are too
+    /// rare.
     NoSegment,
     /// Segments close, but none has a verdict; why the last one has none.
     NoVerdict(Option<Reason>),

@@ -33,6 +33,13 @@ impl<P: Plan> Collector<P> {
         [Some(self.detector.into_place()), self.spare, self.finished]
     }
 
+    /// Keeps the place of a closed segment that was not handed over, without the segment.
+    pub(super) fn forget_closed(&mut self) {
+        if let Some(place) = self.finished.take() {
+            self.spare = Some(place);
+        }
+    }
+
     /// What the context of the collector computes otherwise than the host.
     pub(super) fn failed(&self) -> Option<ArithmeticFault> {
         self.tested.and_then(Result::err)

@@ -87,7 +87,7 @@ struct Main<P: Plan> {
     verdicts: u32,
     /// Readings that the check of the wiring had when the clock was read last.
     checked: u32,
-    /// Whether a report that was given before is withdrawn, and nobody was told.
+    /// Whether a report that was given before is withdrawn, and `advance` has not said it yet.
     withdrawn: bool,
     /// A closed segment that is to be solved next.
     waiting: Option<Place<P>>,
@@ -119,7 +119,7 @@ pub struct Status {
     /// What the front end has refused, as of the end of the last segment; `None` without a front end.
     pub faults: Option<Faults>,
     /// Whether the currents turn with the rotor: no segment has a verdict while this is not decided, and where they do
-    /// not. [`Alignment::Unknown`]: nobody has checked.
+    /// not. [`Alignment::Unknown`]: it is not checked.
     pub alignment: Alignment,
     /// What the context of [`Watch::collect`] computes otherwise than the host of the training.
     pub failed: Option<ArithmeticFault>,
@@ -160,9 +160,9 @@ impl<P: Plan, F> Watch<P, F> {
         closed == Some(true)
     }
 
-    /// One step of the main loop, of bounded cost: solves a closed segment, and gives its report and alarm to `tell` at
-    /// the end. It also gives the last report again if that is withdrawn: [`Conclusion::withdrawn`]. Returns what `tell`
-    /// returns.
+    /// One step of the main loop, of bounded cost: solves a closed segment, and gives its report and alarm to `tell`
+    /// at the end. It also gives the last report again if that is withdrawn: [`Conclusion::withdrawn`]. Returns what
+    /// `tell` returns.
     pub fn advance<R>(&self, tell: impl FnOnce(Conclusion<'_, P>) -> R) -> Option<R> {
         self.main.with(|main| self.step(main, tell)).flatten()
     }
@@ -252,8 +252,8 @@ impl<P: Plan, F> Watch<P, F> {
         cleared && self.collector.with(|collector| collector.detector.restart()).is_some()
     }
 
-    /// Starts afresh as after a repair: open and closed segment, report, alarm and scores. Call it in the main loop while
-    /// the interrupts are stopped. Returns `false` if another context is in a call: it is to be called again.
+    /// Starts afresh as after a repair: open and closed segment, report, alarm and scores. Call it in the main loop
+    /// while the interrupts are stopped. Returns `false` if another context is in a call: it is to be called again.
     #[must_use = "it may not have started afresh"]
     pub fn reset(&self) -> bool {
         let reset = |main: &mut Main<P>| {
@@ -263,7 +263,8 @@ impl<P: Plan, F> Watch<P, F> {
                 main.returned = self.give(place);
             }
         };
-        self.main.with(reset).is_some() && self.restart()
+        let is_reset = self.main.with(reset).is_some() && self.collector.with(Collector::forget_closed).is_some();
+        is_reset && self.restart()
     }
 
     /// What was lost or refused.

@@ -1,7 +1,5 @@
 //! A value in static memory that one context at a time works on.
 
-use core::ops::{Deref, DerefMut};
-
 use spin::mutex::SpinMutex as TryLock;
 use spin::mutex::SpinMutexGuard as Guard;
 
@@ -16,9 +14,6 @@ pub(super) enum Content<T> {
     Full(T) = 1,
 }
 
-/// A slot that this context holds.
-pub(super) struct Held<'a, T>(Guard<'a, Content<T>>);
-
 impl<T> Slot<T> {
     pub(super) const fn new() -> Self {
         Self(TryLock::new(Content::Empty))
@@ -26,8 +21,8 @@ impl<T> Slot<T> {
 
     /// Holds the slot; `None` if another context does.
     #[inline(always)]
-    pub(super) fn hold(&self) -> Option<Held<'_, T>> {
-        self.0.try_lock().map(Held)
+    pub(super) fn hold(&self) -> Option<Guard<'_, Content<T>>> {
+        self.0.try_lock()
     }
 
     /// Works on the value; `None` if it is not there, or if another context works on it.
@@ -54,22 +49,6 @@ impl<T> Content<T> {
             Self::Full(value) => Some(value),
             Self::Empty => None,
         }
-    }
-}
-
-impl<T> Deref for Held<'_, T> {
-    type Target = Content<T>;
-
-    #[inline(always)]
-    fn deref(&self) -> &Content<T> {
-        &self.0
-    }
-}
-
-impl<T> DerefMut for Held<'_, T> {
-    #[inline(always)]
-    fn deref_mut(&mut self) -> &mut Content<T> {
-        &mut self.0
     }
 }
 

@@ -30,8 +30,8 @@ enum Column {
 }
 
 impl Columns {
-    /// The channels `current_a` and `velocity_rad_s` are those that the front end makes; the others are its further ones
-    /// in their order.
+    /// The channels `current_a` and `velocity_rad_s` are those that the front end makes; the others are its further
+    /// ones in their order.
     ///
     /// # Errors
     /// Another number of these than the front end has.

@@ -37,8 +37,8 @@ pub enum BwAlignment {
     Aligned = 1,
     /// They do not: no segment has a verdict.
     Misaligned = 2,
-    /// They are not checked: currents or motion are too small, the drive gives a quadrature current of its own, or it has
-    /// no front end. Segments have verdicts.
+    /// They are not checked: currents or motion are too small, the drive gives a quadrature current of its own, or it
+    /// has no front end. Segments have verdicts.
     Unknown = 3,
 }
 
@@ -67,8 +67,8 @@ pub enum BwLock {
     Locked = 3,
 }
 
-/// What a front end has refused since the start or `bw_clear_faults`, in samples where nothing else is said, and what is
-/// wrong now.
+/// What a front end has refused since the start or `bw_clear_faults`, in samples where nothing else is said, and what
+/// is wrong now.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BwFrontEndFaults {

@@ -76,21 +76,21 @@ pub(crate) struct Front(Option<Used>);
 struct Used {
     chain: &'static mut Chain,
     columns: Columns,
-    further: u16,
 }
 
 impl Front {
-    /// Takes a front end for a state; nobody else reaches it from here on.
+    /// Takes a front end for a state, and gives its further channels in use; `None` without a front end. No other
+    /// function has access to it any more.
     ///
     /// # Errors
     /// As [`at`].
     ///
     /// # Safety
-    /// `front_end` is NULL, or was given by `bw_front_end_init` or has as many writable bytes, which nothing else uses as
-    /// long as the state.
-    pub(crate) unsafe fn take(front_end: *mut BwFrontEnd, model: &Model<Own>) -> Outcome<Self> {
+    /// `front_end` is NULL, or was given by `bw_front_end_init` or has as many writable bytes, which nothing else
+    /// uses as long as the state.
+    pub(crate) unsafe fn take(front_end: *mut BwFrontEnd, model: &Model<Own>) -> Outcome<(Self, Option<u16>)> {
         if front_end.is_null() {
-            return Ok(Self(None));
+            return Ok((Self(None), None));
         }
         // SAFETY: the contract of the caller.
         let BwFrontEnd { tag, further, .. } = unsafe { at(front_end)? };
@@ -98,12 +98,7 @@ impl Front {
         tag.clear();
         // SAFETY: the contract of the caller; without its tag it is no front end for any function.
         let chain = unsafe { &mut (*front_end).chain };
-        Ok(Self(Some(Used { chain, columns, further })))
-    }
-
-    /// Further channels in use; `None` without a front end.
-    pub(crate) fn further(&self) -> Option<u16> {
-        self.0.as_ref().map(|used| used.further)
+        Ok((Self(Some(Used { chain, columns })), Some(further)))
     }
 }
 
@@ -113,7 +108,7 @@ impl Source for Front {
 
     #[inline]
     fn push(&mut self, reading: &RawSample<FURTHER>) -> Option<Sampled<Sample>> {
-        let Used { chain, columns, .. } = self.0.as_mut()?;
+        let Used { chain, columns } = self.0.as_mut()?;
         let clean = chain.push(reading)?;
         let (found_late, alignment) = (clean.found_late, clean.alignment);
         Some(Sampled { clean: columns.sample(clean), found_late, alignment })
@@ -145,13 +140,13 @@ pub extern "C" fn bw_front_end_size() -> usize {
 /// Makes a front end without samples in memory of the caller, for `bw_start`, and gives its address in `front_end`. The
 /// constants are not needed afterwards. In case of an error the memory is unchanged.
 ///
-/// Returns `BW_CODE_OK`, or what is wrong with memory or constants: `BW_CODE_FRONT_END_…`, or `BW_CODE_OUT_OF_RANGE` for
-/// `park`.
+/// Returns `BW_CODE_OK`, or what is wrong with memory or constants: `BW_CODE_FRONT_END_…`, or `BW_CODE_OUT_OF_RANGE`
+/// for `park`.
 ///
 /// # Safety
-/// `memory` is NULL or has `size` writable bytes, which nothing else writes until the front end is used no more, also by
-/// the state that has it. `constants` is NULL or readable. `front_end` is NULL or writable. No other function works on
-/// the front end.
+/// `memory` is NULL or has `size` writable bytes, which nothing else writes until the front end is used no more, also
+/// by the state that has it. `constants` is NULL or readable. `front_end` is NULL or writable. No other function
+/// works on the front end.
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_front_end_init(
@@ -164,8 +159,8 @@ pub unsafe extern "C" fn bw_front_end_init(
         // SAFETY: the same contract; every bit pattern of the constants is valid.
         unsafe {
             let place = room(memory, size)?;
-            let own = get(constants)?;
-            let (factor, further, core) = (own.factor, own.further, own.core()?);
+            let constants = get(constants)?;
+            let (factor, further, core) = (constants.factor, constants.further, constants.core()?);
             let interval_s = f32::from(factor) / core.control_rate_hz;
             let chain = create(factor, further, &core)?;
             put_object(place, BwFrontEnd { tag: Tag::none(), further, interval_s, frame: core.frame, chain }, front_end)

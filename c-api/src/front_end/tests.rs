@@ -19,16 +19,24 @@ mod drive;
 /// A model of current, velocity and two further channels.
 static FILE: &[u8] = include_bytes!("../../../examples/support/actuator/model.bwm");
 
+/// A front end as C makes it.
+fn made(factor: u16, further: u16) -> *mut BwFrontEnd {
+    let memory = Box::leak(Box::new([0_u64; BW_FRONT_END_SIZE / 8]));
+    let (mut front_end, constants) = (core::ptr::null_mut(), for_c(&CONSTANTS, factor, further));
+    // SAFETY: the memory is there for ever.
+    let code =
+        unsafe { bw_front_end_init(memory.as_mut_ptr().cast(), size_of_val(memory), &constants, &raw mut front_end) };
+    assert_eq!(code, BwCode::Ok);
+    front_end
+}
+
 /// The front end as a state has it.
 fn front(factor: u16, further: u16) -> Front {
-    let memory = Box::leak(Box::new([0_u64; BW_FRONT_END_SIZE / 8]));
-    let (mut own, constants) = (core::ptr::null_mut(), for_c(&CONSTANTS, factor, further));
-    // SAFETY: the memory is there for ever.
+    let front_end = made(factor, further);
+    // SAFETY: it was made, and is there for ever.
     unsafe {
-        let code = bw_front_end_init(memory.as_mut_ptr().cast(), size_of_val(memory), &constants, &raw mut own);
-        assert_eq!(code, BwCode::Ok);
-        let taken = Front::take(own, &Model::from_bytes(FILE).unwrap()).unwrap();
-        assert!(at(own).is_err(), "nobody else has it");
+        let (taken, _) = Front::take(front_end, &Model::from_bytes(FILE).unwrap()).unwrap();
+        assert!(at(front_end).is_err(), "it belongs to the state");
         taken
     }
 }
@@ -150,14 +158,12 @@ fn every_factor_gives_the_bits_of_rust_through_faults() {
 fn a_front_end_of_other_channels_than_the_model_is_refused() {
     let model = Model::<Own>::from_bytes(FILE).unwrap();
     for further in [0, 1, 3] {
-        let memory = Box::leak(Box::new([0_u64; BW_FRONT_END_SIZE / 8]));
-        let (mut own, constants) = (core::ptr::null_mut(), for_c(&CONSTANTS, 10, further));
-        // SAFETY: the memory is there for ever.
+        let front_end = made(10, further);
+        // SAFETY: it was made, and is there for ever.
         unsafe {
-            let code = bw_front_end_init(memory.as_mut_ptr().cast(), size_of_val(memory), &constants, &raw mut own);
-            assert_eq!(code, BwCode::Ok);
-            assert_eq!(at(own).unwrap().check(&model), Err(BwCode::FrontEndFurther));
-            assert!(Front::take(own, &model).is_err() && at(own).is_ok(), "it may be used for another model");
+            assert_eq!(at(front_end).unwrap().check(&model), Err(BwCode::FrontEndFurther));
+            let refused = Front::take(front_end, &model).is_err();
+            assert!(refused && at(front_end).is_ok(), "it may be used for another model");
         }
     }
 }

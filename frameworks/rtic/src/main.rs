@@ -6,7 +6,8 @@
 //! idle                                        the other work of the drive
 //! ```
 //!
-//! `control` interrupts `solve` at any time, and nothing locks it out. `cargo xtask frameworks` runs it in the emulator.
+//! `control` interrupts `solve` at any time, and nothing locks it out. `cargo xtask frameworks` runs it in the
+//! emulator.
 
 #![no_std]
 #![no_main]

@@ -41,8 +41,8 @@ record! {
     pub struct Direction: Direction {
         /// The coordinate that a defect raises.
         pub coordinate: u8,
-        /// Whether it is the strength of a bearing order, which names the race. An alarm names it before friction, which a
-        /// defect of a race raises too.
+        /// Whether it is the strength of a bearing order, which names the race. An alarm names it before friction,
+        /// which a defect of a race raises too.
         pub order: bool,
         /// What explains a part of it.
         pub background: [Background; MAX_BACKGROUND],

@@ -18,10 +18,11 @@
 //! mean and covariance are estimated with ν degrees of freedom, which its second factor and the laws of d² and u
 //! account for. Each u has a law of its own, whose knots are −ln 2 P(U ≥ u) over u², u ≥ 0.
 //!
-//! A fall is a finding too, though not of a bearing: the load or the belt is lost, or a sensor fails. It gets the part φ
-//! = 0.1 of the false alarms of a rise, so that a rise needs 0.03 deviations more than without it. The tail below the
-//! mean is that above it on another scale (4), by which the two agree where a fall reaches the limit. For independent
-//! values (3) is exact; if they are correlated and their laws are known, the rate is lower than the set one.
+//! A fall is a finding too, though not of a bearing: the load or the belt is lost, or a sensor fails. It gets the
+//! part φ = 0.1 of the false alarms of a rise, so that a rise needs 0.03 deviations more than without it. The tail
+//! below the mean is that above it on another scale (4), by which the two agree where a fall reaches the limit. For
+//! independent values (3) is exact; if they are correlated and their laws are known, the rate is lower than the set
+//! one.
 
 use core::f32::consts::{LN_2, LN_10};
 

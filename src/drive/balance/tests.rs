@@ -230,7 +230,8 @@ fn a_vector_that_does_not_turn_with_the_rotor_is_misaligned() {
     assert_eq!([0.12, 0.05, 0.0].map(|a| seen(|angle| angle, [0, 2, 1], a)), [misaligned, None, None]);
 }
 
-/// Windows of a drive of 320 samples each: the current, whether phases are exchanged, and a noise in the place of 0.05 A.
+/// Windows of a drive of 320 samples each: the current, whether phases are exchanged, and a noise in the place of
+/// 0.05 A.
 fn alignment(amplitude: f64, exchanged: bool, noise_a: f64, offset: f64, windows: u32) -> Alignment {
     let mut balance = CurrentBalance::new(LIMITS);
     let mut state = 1_u32;

@@ -17,10 +17,10 @@
 //! follows the velocity. The current is the output because the load is usually known better; therefore all parameters
 //! are in amperes.
 //!
-//! Each segment starts from a weak prior, the healthy parameters with [`TorqueBalance::prior`] as their deviations, as if
-//! earlier rows had given them. A parameter that the motion does not excite keeps its prior: at constant speed p₁ and
-//! p₂ cannot be separated, their deviations are large, and their errors cancel in (4). A prior draws its parameter
-//! towards the healthy value; for features of a classifier its effect is removed:
+//! Each segment starts from a weak prior, the healthy parameters with [`TorqueBalance::prior`] as their deviations,
+//! as if earlier rows had given them. A parameter that the motion does not excite keeps its prior: at constant speed
+//! p₁ and p₂ cannot be separated, their deviations are large, and their errors cancel in (4). A prior draws its
+//! parameter towards the healthy value; for features of a classifier its effect is removed:
 //!
 //! ```text
 //! p′ = n + (p − n)/c,   σ′² = σ²/c,   c = 1 − σ² σ₀²/(prior² s²)                                        (5)

@@ -31,13 +31,13 @@ record! {
         pub order_q16: i32 in [1, MAX_ORDER_Q16],
         /// Weights of the harmonics; none negative, not all zero.
         pub weights: [f32; MAX_HARMONICS],
-        /// Relative change of this order for a relative change of one of the cage's order. Ball passes of the outer ring
-        /// have 1, those of the inner ring −outer/inner.
+        /// Relative change of this order for a relative change of one of the cage's order. Ball passes of the outer
+        /// ring have 1, those of the inner ring −outer/inner.
         pub slip_ratio: f32 in [-10.0, 10.0],
         /// The expected score of the smallest defect that counts as found.
         pub needed_score: f32 in [-1e6, 1e6],
-        /// Largest amplitude of that defect, over the deviation of the noise at the order, with which the order still has a
-        /// result: beyond it the shaft has turned too little.
+        /// Largest amplitude of that defect, over the deviation of the noise at the order, with which the order still
+        /// has a result: beyond it the shaft has turned too little.
         pub most_relative: f32 in [f32::MIN_POSITIVE, f32::INFINITY],
         /// Largest amplitude of that defect, A, with which a segment may be called healthy: beyond it the noise is too
         /// large.

@@ -87,6 +87,16 @@ fn a_reset_drops_a_segment_that_waits_and_goes_on_afresh() {
     }
     assert_eq!(watch.status().lost_segments, 0);
     assert_eq!(watch.monitor(|_| watch.reset()), Some(false));
+    // A segment that closed while the main loop held the lock of the hand-over.
+    assert!(watch.reset());
+    let held = watch.link.closed.try_lock();
+    for sample in samples(0.7).take(SAMPLES as usize + 9) {
+        watch.sample(sample);
+        assert!(!watch.collect());
+    }
+    drop(held);
+    assert!(watch.reset() && !watch.collect());
+    assert!(reports(watch, samples(1.0).take(ROWS)) == expected);
 }
 
 #[test]

@@ -69,7 +69,12 @@ struct Shaft {
 }
 
 impl Shaft {
-    fn new(scenario: &Scenario, values: &FieldValues, start: PlantState, seed: u64) -> Result<Self, RigError> {
+    fn new(
+        scenario: &Scenario,
+        values: &FieldValues,
+        (start, axis): (PlantState, Option<AxisLoad>),
+        seed: u64,
+    ) -> Result<Self, RigError> {
         let inner_steps = inner_steps(scenario.sample_time_s, INNER_STEP_S);
         let step_s = scenario.sample_time_s / f64::from(inner_steps);
         let motor = motor(scenario, values);
@@ -78,8 +83,8 @@ impl Shaft {
         plant.set_state(start);
         let mut filter = CurrentFilter::new(step_s);
         filter.settle(start.current_a);
-        let in_field = scenario.field != super::Field::NONE || scenario.axis.is_some();
-        let field = in_field.then(|| DriveTrain::new(scenario, values, &motor, start, seed)).transpose()?;
+        let in_field = scenario.field != super::Field::NONE || axis.is_some();
+        let field = in_field.then(|| DriveTrain::new(scenario, values, &motor, (start, axis), seed)).transpose()?;
         let defect = scenario.defect.torque(motor.kt_nm_per_a, &scenario.bearing)?;
         Ok(Self { plant, filter, defect, inner_steps, field })
     }
@@ -143,13 +148,16 @@ impl AxisOfRecord {
     fn new(scenario: &Scenario, motor: &MotorParameters, profile: &Profile, seed: u64) -> Option<Self> {
         let axis = scenario.axis?;
         let [phi, turns] = axis::start(scenario.duty.motion(), seed);
-        let end_s = scenario.samples as f64 * scenario.sample_time_s;
+        let (turns_rad, end_s) = (TAU * turns, scenario.samples as f64 * scenario.sample_time_s);
+        let payloads = Payloads::draw(&axis, &profile.rests_s(), end_s, seed);
+        let mut at_start = super::field::axis(&axis, scenario.drive, [turns_rad, motor.j_kg_m2], seed);
+        at_start.set_payload(payloads.at(0.0));
         Some(Self {
             ratio: axis.ratio,
-            start_rad: axis.ratio * phi + TAU * turns,
-            turns_rad: TAU * turns,
-            at_start: super::field::axis(scenario, motor, seed)?,
-            payloads: Payloads::draw(&axis, &profile.rests_s(), end_s, seed),
+            start_rad: axis.ratio * phi + turns_rad,
+            turns_rad,
+            at_start,
+            payloads,
             brake: axis.brake.map(|_| Watch::default()),
         })
     }
@@ -184,10 +192,11 @@ impl Experiment {
         let axis = AxisOfRecord::new(scenario, &motor, &profile, seed);
         let start = start(&motor, profile.initial_rad_s(scenario), seed);
         let start = axis.as_ref().map_or(start, |axis| start_on(axis, &motor, start));
+        let load = axis.as_ref().map(|axis| axis.at_start);
         Ok(Self {
             profile,
             axis,
-            shaft: Shaft::new(scenario, values, start, seed)?,
+            shaft: Shaft::new(scenario, values, (start, load), seed)?,
             sensors: Sensors::new(scenario, values, start.velocity_rad_s, seed),
             control: VelocityLoop::new(scenario, &motor, &start),
         })

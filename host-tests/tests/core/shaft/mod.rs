@@ -17,8 +17,8 @@ use crate::shaft::dc_motor::{Motion, halved, lag, model, model_of_angle, motions
 /// More samples than any of the streams has.
 pub const OPEN: u32 = 100_000;
 
-/// Friction: f32 sums of a thousand rows keep 0.02 of a deviation. Orders: sines are exact to 2e-5 and parameters of the
-/// residual to 0.02 deviations, which is a thousandth of the noise's phasors.
+/// Friction: f32 sums of a thousand rows keep 0.02 of a deviation. Orders: sines are exact to 2e-5 and parameters of
+/// the residual to 0.02 deviations, which is a thousandth of the noise's phasors.
 fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
     compare_own(model, motions, what);
     compare_own(&halved(model), motions, &format!("{what}, each second sample"));
@@ -162,8 +162,8 @@ fn standstill_turns_no_phase_and_counts_for_nothing() {
     assert!(outer.score > 9.0, "the phase was lost at rest: {outer:?}");
 }
 
-/// The standard rig scores like white noise at this pole, within half a standard deviation: its own noise is filtered by
-/// the current's low-pass, which the residual's filter of one pole does not undo.
+/// The standard rig scores like white noise at this pole, within half a standard deviation: its own noise is filtered
+/// by the current's low-pass, which the residual's filter of one pole does not undo.
 #[test]
 fn the_spall_stands_out_at_its_order_only_and_the_roughness_in_its_parameter() {
     let model = model(lag(0.7), true, OPEN);

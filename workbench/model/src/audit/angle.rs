@@ -42,8 +42,8 @@ const NAMED: usize = 3;
 const BLOCKS: usize = 8;
 const SLOWEST: f64 = 0.2;
 const RATIO: f64 = 0.05;
-/// Of (4): deviations and steps of the sensor that the motion of a row has at least, the part of it that it may change or
-/// be off, and fewest places.
+/// Of (4): deviations and steps of the sensor that the motion of a row has at least, the part of it that it may
+/// change or be off, and fewest places.
 const CLEAR: f64 = 8.0;
 const ALIKE: f64 = 0.25;
 const FEWEST_LOST: usize = 2;

@@ -110,7 +110,7 @@ impl Terms {
     }
 }
 
-/// One of so many rows of a filtered signal, without its first rows.
+/// Every n-th row of a filtered signal, without its first rows.
 fn settled(mut x: Vec<f64>, dropped: usize, every: usize) -> DVector<f64> {
     if every == 1 {
         x.drain(..dropped);

@@ -108,8 +108,8 @@ impl Stream<'_> {
         }
     }
 
-    /// A fault was found late: what the open segment has is discarded, and the report of the last one is withdrawn if the
-    /// fault may have begun in it, as in the drive.
+    /// A fault was found late: what the open segment has is discarded, and the report of the last one is withdrawn if
+    /// the fault may have begun in it, as in the drive.
     fn discard(&mut self, last: Option<&mut Judged>) {
         let Some(number) = self.detector.discard() else { return };
         if !self.monitor.withdraw(number) {

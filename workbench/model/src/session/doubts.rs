@@ -116,11 +116,8 @@ pub fn codes<'a>(traces: impl Iterator<Item = &'a Trace>) -> Option<String> {
         let signals = [("current", &motion.current_a), ("velocity", &motion.velocity_rad_s), ("load", &motion.load_nm)];
         let told = |(name, x): (&str, &Vec<f64>)| {
             let column = Column::of(x);
-            column
-                .outside
-                .is_some()
-                .then(|| column.findings(None).into_iter().next())?
-                .map(|what| format!("{name}: {what}"))
+            column.outside?;
+            column.findings(None).into_iter().next().map(|what| format!("{name}: {what}"))
         };
         Some((trace.id.as_str(), signals.into_iter().find_map(told)?))
     };

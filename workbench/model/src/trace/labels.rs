@@ -209,12 +209,12 @@ impl Labels {
     /// An unknown column, an order comparison of text, or no remaining row.
     pub fn select(&self, conditions: &[Condition]) -> Result<Vec<(String, String)>, Error> {
         let class = self.column("class_name")?;
+        let columns = conditions.iter().map(|c| self.column(&c.column)).collect::<Result<Vec<_>, _>>()?;
         if let Some(asked) = conditions.iter().find(|condition| condition.is_question()) {
             let all = list(&self.distinct(&asked.column));
             let problem = format!("where {asked} is a question: write one of {all}, or leave it out if they are alike");
             return Err(Error::content(&self.path, "selection", problem));
         }
-        let columns = conditions.iter().map(|c| self.column(&c.column)).collect::<Result<Vec<_>, _>>()?;
         let mut chosen = Vec::new();
         for (k, (row, id)) in self.rows.iter().zip(&self.ids).enumerate() {
             let mut all = true;

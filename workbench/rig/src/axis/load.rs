@@ -84,9 +84,8 @@ impl AxisLoad {
         self.gravity.map_or(0.0, |gravity| gravity.torque_nm(&self.travel, phi, self.payload))
     }
 
-    /// What opposes motion at a point of the load side under an external load, and ΔJ.
-    pub(crate) fn opposing(&self, [angle_rad, velocity_rad_s]: [f64; 2], external_nm: f64) -> Opposing {
-        let load_nm = external_nm + self.weight_nm(angle_rad);
+    /// What opposes motion at a point of the load side under a load that includes the weight, and ΔJ.
+    pub(crate) fn opposing(&self, [angle_rad, velocity_rad_s]: [f64; 2], load_nm: f64) -> Opposing {
         let wheel_rad = angle_rad - self.origin_rad;
         let gear = self.gear.map_or(0.0, |gear| gear.torque_nm(wheel_rad, velocity_rad_s, load_nm));
         let phi = self.phi(angle_rad);

@@ -27,9 +27,6 @@ pub enum AxisPart {
     AnyCycle,
 }
 
-/// Ratio of the axis of the conditions.
-pub const RATIO: f64 = 50.0;
-
 /// Load beside the weight on the DC-motor rig, about the amplitude of the standard load of 0.15 N·m.
 const LOAD_FACTOR: f64 = 1.0 / 30.0;
 
@@ -85,24 +82,19 @@ pub struct AxisOptions {
 fn axis(parts: &[AxisPart], options: AxisOptions, linear: bool) -> Axis {
     let has = |part| parts.contains(&part);
     let weight = if linear { Gravity::LINEAR } else { Gravity::ROTARY };
-    let weighs = has(AxisPart::Gravity) || has(AxisPart::PayloadSteps);
     let gear = has(AxisPart::Gear).then_some(if linear { Gear::LINEAR } else { Gear::ROTARY });
-    let stiff = Mechanics { backlash_deg: [0.5, 1.5], ..Mechanics::GEAR };
-    let transmission = match (has(AxisPart::Belt), has(AxisPart::Gear)) {
-        (true, geared) => {
-            let gap = if geared { stiff.backlash_deg } else { [0.0; 2] };
-            Some(Mechanics {
-                backlash_deg: gap,
-                resonance_hz: if linear { [40.0, 60.0] } else { [12.0, 20.0] },
-                ..stiff
-            })
-        }
-        (false, true) => Some(stiff),
-        (false, false) => None,
-    };
+    let transmission = (has(AxisPart::Belt) || has(AxisPart::Gear)).then(|| Mechanics {
+        backlash_deg: if has(AxisPart::Gear) { [0.5, 1.5] } else { [0.0; 2] },
+        resonance_hz: match (has(AxisPart::Belt), linear) {
+            (false, _) => Mechanics::GEAR.resonance_hz,
+            (true, true) => [40.0, 60.0],
+            (true, false) => [12.0, 20.0],
+        },
+        ..Mechanics::GEAR
+    });
     Axis {
-        ratio: options.ratio.unwrap_or(RATIO),
-        gravity: weighs.then(|| Gravity { weight_nm: options.weight_nm.unwrap_or(weight.weight_nm), ..weight }),
+        ratio: options.ratio.unwrap_or(Axis::LEVEL.ratio),
+        gravity: weighs(parts).then(|| Gravity { weight_nm: options.weight_nm.unwrap_or(weight.weight_nm), ..weight }),
         gear,
         transmission,
         brake: has(AxisPart::Brake).then_some(if linear { Brake::LINEAR } else { Brake::ROTARY }),
@@ -110,7 +102,15 @@ fn axis(parts: &[AxisPart], options: AxisOptions, linear: bool) -> Axis {
     }
 }
 
-fn motion(parts: &[AxisPart]) -> Option<Motion> {
+/// Whether an axis with these parts has a weight.
+#[must_use]
+pub fn weighs(parts: &[AxisPart]) -> bool {
+    parts.contains(&AxisPart::Gravity) || parts.contains(&AxisPart::PayloadSteps)
+}
+
+/// The motion that these parts set.
+#[must_use]
+pub fn motion(parts: &[AxisPart]) -> Option<Motion> {
     if parts.contains(&AxisPart::Cycle) {
         return Some(Motion::Same);
     }
@@ -124,8 +124,7 @@ impl Scenario {
     pub fn on_axis(self, parts: &[AxisPart], options: AxisOptions) -> Self {
         let mut changed = self.with_axis(axis(parts, options, false));
         changed.duty = match motion(parts) {
-            Some(Motion::Same) => Duty::Cycle,
-            Some(Motion::Any) => Duty::AnyCycle,
+            Some(motion) => Duty::Cycle(motion),
             None if parts.contains(&AxisPart::Brake) && self.duty == Duty::Waveform => Duty::Trapezoids,
             None => self.duty,
         };

@@ -76,8 +76,10 @@ fn friction_in_proportion_to_the_load_includes_the_weight() {
 #[test]
 fn without_friction_energy_goes_into_motion_height_and_nothing_else() {
     let gravity = Gravity { inertia_swing: 0.3, payload_inertia: 0.2, ..Gravity::ROTARY };
-    let scenario =
-        Scenario { duty: Duty::AnyCycle, ..of_axis(Axis { gravity: Some(gravity), ratio: 5.0, ..Axis::LEVEL }) };
+    let scenario = Scenario {
+        duty: Duty::Cycle(Motion::Any),
+        ..of_axis(Axis { gravity: Some(gravity), ratio: 5.0, ..Axis::LEVEL })
+    };
     for seed in 0..3 {
         let trace = run(&scenario, seed);
         let (payload, travel) = (trace.axis.payload[0], Travel::rotary(5.0));

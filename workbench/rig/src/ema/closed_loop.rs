@@ -54,8 +54,8 @@ impl AxisOfRecord {
         Self { ratio: axis.ratio, payloads, brake, command_m: f64::NAN, closed: false }
     }
 
-    /// Sets payload and brake at time `t_s` under a position command.
-    fn set(&mut self, plant: &mut EmaPlant, [t_s, interval_s]: [f64; 2], command_m: f64) {
+    /// Sets payload and brake at time `t_s` under a position command; returns whether the brake is closed.
+    fn set(&mut self, plant: &mut EmaPlant, [t_s, interval_s]: [f64; 2], command_m: f64) -> bool {
         let resting = command_m == self.command_m;
         self.command_m = command_m;
         self.closed = self.brake.as_mut().is_some_and(|brake| brake.closed(resting, interval_s));
@@ -64,6 +64,7 @@ impl AxisOfRecord {
             axis.set_payload(self.payloads.at(t_s));
             axis.set_brake(self.closed, angle_rad);
         }
+        self.closed
     }
 }
 
@@ -104,16 +105,15 @@ impl Experiment {
         }
         let seen = self.sensors.measure(&state);
         let position_ref_m = scenario.position_ref_m(self.path.as_ref(), t_s);
-        if let Some(axis) = &mut self.axis {
-            axis.set(&mut self.plant, [t_s, self.interval_s], position_ref_m);
-        }
+        let at = [t_s, self.interval_s];
+        let closed = self.axis.as_mut().is_some_and(|axis| axis.set(&mut self.plant, at, position_ref_m));
         let feedback = Feedback {
             position_m: seen.position_m,
             velocity_rad_s: seen.velocity_rad_s,
             direct_a: seen.direct_a,
             quadrature_a: seen.quadrature_a,
         };
-        let commands = if self.axis.as_ref().is_some_and(|axis| axis.closed) {
+        let commands = if closed {
             Commands { velocity_ref_rad_s: 0.0, current_ref_a: 0.0, voltage: DqVoltage::default() }
         } else {
             self.controller.update(position_ref_m, &feedback)

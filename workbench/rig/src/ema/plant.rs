@@ -263,8 +263,9 @@ impl EmaPlant {
         let brake = axis.brake_nm(x.angle_rad, x.velocity_rad_s);
         let motor = driving - viscous - direction(x.velocity_rad_s) * dry - brake;
         let opposing = |[angle_rad, velocity_rad_s]: [f64; 2]| {
-            let load = axis.opposing([angle_rad, velocity_rad_s], n * screw_n);
-            let screw = self.screw_friction * (n * screw_n + axis.weight_nm(angle_rad)).abs();
+            let load_nm = n * screw_n + axis.weight_nm(angle_rad);
+            let load = axis.opposing([angle_rad, velocity_rad_s], load_nm);
+            let screw = self.screw_friction * load_nm.abs();
             [load.torque_nm + direction(velocity_rad_s) * screw, load.added_kg_m2]
         };
         let Some(belt) = &self.belt else {

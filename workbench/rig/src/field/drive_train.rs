@@ -4,13 +4,11 @@
 //! change of the viscous friction since the start of the record. Resistance, viscous friction and slip change once a
 //! sample. On an axis, the load of friction and pulses includes the weight.
 
-use core::f64::consts::TAU;
-
 use super::mechanics::{LoadSide, Opposing};
 use super::slip::SlippingBearing;
-use super::units::Draws;
+use super::units::{Draws, Drive};
 use super::{FieldValues, TemperatureValues};
-use crate::axis::{self, AxisLoad, Payloads, Travel};
+use crate::axis::{Axis, AxisLoad, Travel};
 use crate::bearing::direction;
 use crate::{DefectTorque, MotorParameters, NoiseSource, Plant, PlantState, RigError, Scenario, Stream};
 
@@ -40,10 +38,9 @@ impl DriveTrain {
         scenario: &Scenario,
         values: &FieldValues,
         motor: &MotorParameters,
-        start: PlantState,
+        (start, axis): (PlantState, Option<AxisLoad>),
         seed: u64,
     ) -> Result<Self, RigError> {
-        let axis = axis(scenario, motor, seed);
         let jitter = NoiseSource::new(seed, Stream::SlipJitter);
         let order = scenario.bearing.orders().outer;
         Ok(Self {
@@ -96,7 +93,8 @@ impl DriveTrain {
         let motor = *plant.motor();
         plant.step_staged(voltage_v, |stage, at| {
             let loaded = |point: [f64; 2]| {
-                let axis = axis.map_or(Opposing::plain(load_nm), |axis| axis.opposing(point, load_nm));
+                let axis = axis
+                    .map_or(Opposing::plain(load_nm), |axis| axis.opposing(point, load_nm + axis.weight_nm(point[0])));
                 let friction = torques.load_friction_nm(loaded_nm, point[1]);
                 Opposing { torque_nm: axis.torque_nm + friction, ..axis }
             };
@@ -123,14 +121,10 @@ impl DriveTrain {
     }
 }
 
-/// The axis of a record, with its payload at the start.
-pub(crate) fn axis(scenario: &Scenario, motor: &MotorParameters, seed: u64) -> Option<AxisLoad> {
-    let axis = scenario.axis?;
-    let [_, turns] = axis::start(scenario.duty.motion(), seed);
-    let gear = Draws { seed, drive: scenario.drive }.of_drive(Stream::Gear);
-    let mut load = AxisLoad::new(&axis, Travel::rotary(axis.ratio), [TAU * turns, motor.j_kg_m2], gear);
-    load.set_payload(Payloads::draw(&axis, &[], 0.0, seed).at(0.0));
-    Some(load)
+/// The axis of a record, by the angle of the motor at φ = 0 and the inertia of the whole.
+pub(crate) fn axis(axis: &Axis, drive: Option<Drive>, at: [f64; 2], seed: u64) -> AxisLoad {
+    let gear = Draws { seed, drive }.of_drive(Stream::Gear);
+    AxisLoad::new(axis, Travel::rotary(axis.ratio), at, gear)
 }
 
 impl Torques {

@@ -33,10 +33,8 @@ pub enum Duty {
     OneWay,
     /// A constant velocity.
     ConstantSpeed,
-    /// The same five moves and rests again and again.
-    Cycle,
-    /// Other moves and rests in each cycle.
-    AnyCycle,
+    /// Moves and rests of a machine.
+    Cycle(Motion),
     /// Each record draws one of the six duties above.
     Any,
     /// Each record draws one of the four duties that reverse.
@@ -58,8 +56,7 @@ impl Duty {
             Self::SetPoints => "set-points",
             Self::OneWay => "one-way",
             Self::ConstantSpeed => "constant-speed",
-            Self::Cycle => Motion::Same.name(),
-            Self::AnyCycle => Motion::Any.name(),
+            Self::Cycle(motion) => motion.name(),
             Self::Any => "any",
             Self::AnyReversing => "any-reversing",
         }
@@ -73,11 +70,7 @@ impl Duty {
 
     /// The motion of a machine, if the duty is one.
     pub(crate) const fn motion(self) -> Option<Motion> {
-        match self {
-            Self::Cycle => Some(Motion::Same),
-            Self::AnyCycle => Some(Motion::Any),
-            _ => None,
-        }
+        if let Self::Cycle(motion) = self { Some(motion) } else { None }
     }
 
     pub(super) fn drawn(self, source: &mut NoiseSource) -> Self {

@@ -179,7 +179,6 @@ impl LoadSide {
     pub(crate) fn hold(&mut self, motor_rad: f64, torque_nm: f64) {
         let gap = if torque_nm == 0.0 { 0.0 } else { self.half_gap_rad.copysign(torque_nm) };
         self.angle_rad = motor_rad - torque_nm / self.stiffness_nm_per_rad - gap;
-        self.middle[0] = self.angle_rad;
     }
 
     /// Angle of the load side.

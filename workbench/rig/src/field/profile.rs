@@ -2,7 +2,7 @@
 
 use super::draws::between;
 use super::duty::Duty;
-use crate::axis::{Motion, cycle};
+use crate::axis::cycle;
 use crate::{NoiseSource, Scenario, Stream};
 
 /// Modulation of the one-way duty.
@@ -28,8 +28,6 @@ impl Profile {
         let end_s = scenario.samples as f64 * scenario.sample_time_s;
         let mut lines = Lines { source, points: vec![[0.0, 0.0]] };
         let peak = scenario.reference_amplitude_rad_s;
-        let moves =
-            |motion| cycle::velocities(motion, cycle::Scale { peak, reach: cycle::REACH_S * peak }, end_s, seed);
         match duty {
             Duty::RandomSteps => lines.until(end_s, |lines| lines.step(peak)),
             Duty::SetPoints => lines.until(end_s, |lines| lines.set_point(peak)),
@@ -40,8 +38,10 @@ impl Profile {
                     peak = -peak;
                 });
             }
-            Duty::Cycle => return Self::Lines(moves(Motion::Same)),
-            Duty::AnyCycle => return Self::Lines(moves(Motion::Any)),
+            Duty::Cycle(motion) => {
+                let scale = cycle::Scale { peak, reach: cycle::REACH_S * peak };
+                return Self::Lines(cycle::velocities(motion, scale, end_s, seed));
+            }
             Duty::OneWay => return Self::OneWay,
             Duty::ConstantSpeed => return Self::Constant,
             Duty::Waveform | Duty::Any | Duty::AnyReversing => return Self::Waveform,

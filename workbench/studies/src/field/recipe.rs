@@ -6,8 +6,8 @@ use crate::recipes;
 use model::Error;
 use model::identify::Structure;
 use model::train::{Alarms, Recipe, ShaftPlan};
-use rig::Condition;
 use rig::field::LoadMeasurement;
+use rig::{Condition, Scenario};
 
 /// Features of the detector: the torque constant, the friction that varies with load and with velocity, that at a usual
 /// velocity and load, and the order of the outer race.
@@ -108,7 +108,7 @@ pub fn by_default(row: &Row, classes: &[String]) -> Result<Recipe, Error> {
 /// Returns whether the drives of a condition measure the load.
 #[must_use]
 pub fn has_load_sensor(condition: &Condition) -> bool {
-    condition.axis.is_none() && condition.field.is_none_or(|field| field.load != LoadMeasurement::Absent)
+    condition.apply(Scenario::STANDARD, 0).field.load != LoadMeasurement::Absent
 }
 
 #[cfg(test)]

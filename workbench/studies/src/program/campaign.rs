@@ -76,12 +76,12 @@ pub(crate) struct Args {
     default: bool,
     /// Healthy records on which each detector of the field is judged
     #[arg(long, value_name = "N", requires = "field", conflicts_with_all = ["limits", "delay", "growth"])]
-    #[arg(default_value_t = 300)]
+    #[arg(default_value_t = field::Settings::standard(0, 0).healthy)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     healthy: u32,
     /// Records of each defect on which each detector of the field is judged
     #[arg(long, value_name = "N", requires = "field", conflicts_with_all = ["limits", "delay", "growth"])]
-    #[arg(default_value_t = 60)]
+    #[arg(default_value_t = field::Settings::standard(0, 0).defects)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     defects: u32,
     /// Print JSON

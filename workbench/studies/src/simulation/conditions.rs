@@ -2,7 +2,7 @@
 
 use super::options::Simulation;
 use model::Error;
-use rig::axis::parts::AxisOptions;
+use rig::axis::parts::{AxisOptions, motion, weighs};
 use rig::{Axis, AxisPart};
 
 /// The conditions of a set.
@@ -45,8 +45,7 @@ impl Chosen {
         if args.ratio.is_some() && parts.is_empty() {
             return refused("--ratio belongs to an axis; add a part of it to --condition, for example gear".into());
         }
-        let weighs = parts.contains(&AxisPart::Gravity) || parts.contains(&AxisPart::PayloadSteps);
-        if args.weight.is_some() && !weighs {
+        if args.weight.is_some() && !weighs(&parts) {
             return refused("--weight belongs to an axis with gravity; add gravity to --condition".into());
         }
         let usual = if args.mix || !parts.is_empty() { "mix" } else { "standard" };
@@ -74,6 +73,6 @@ impl Chosen {
 
     /// Whether a part sets the motion.
     pub(super) fn has_motion(&self) -> bool {
-        self.parts.contains(&AxisPart::Cycle) || self.parts.contains(&AxisPart::AnyCycle)
+        motion(&self.parts).is_some()
     }
 }

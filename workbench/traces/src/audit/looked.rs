@@ -113,7 +113,8 @@ pub(super) fn look(table: &Table, settings: &Settings, given: &Signals) -> Resul
             let word = format!("{}({name}", own.word());
             let Signals { current, velocity, angle, velocity_ref, load, .. } = given;
             let all = [current, velocity, angle, velocity_ref, load];
-            all.into_iter().flatten().any(|channel| channel.contains(&word))
+            let ends = |rest: &str| rest.starts_with([')', '[']);
+            all.into_iter().flatten().any(|channel| channel.split(word.as_str()).skip(1).any(ends))
         };
         let signs: Vec<String> = signs.filter(|own| !is_decoded(own)).map(|(name, own)| own.told(name)).collect();
         let chosen = Chosen::of(&names, &series.columns, given);

@@ -17,7 +17,7 @@ use model::trace::bridged;
 
 /// Part of the largest motion below which an axis rests.
 const RESTS: f64 = 0.05;
-/// Parts of names that tell no motors apart: components, and what is made of a signal.
+/// Parts of names that do not distinguish motors: components of a vector, and statistics of a signal.
 const NO_AXES: [&str; 41] = [
     "d",
     "q",
@@ -118,9 +118,14 @@ fn families(names: &[String]) -> BTreeMap<String, Columns> {
     of
 }
 
+/// The name with this text in the place of its part.
+fn with(name: &str, (start, end): (usize, usize), text: &str) -> String {
+    format!("{}{text}{}", &name[..start], &name[end..])
+}
+
 /// The columns without their part.
 fn without(names: &[String], columns: &Columns) -> Vec<String> {
-    columns.iter().map(|(place, (start, end))| names[*place][..*start].to_string() + &names[*place][*end..]).collect()
+    columns.iter().map(|(place, part)| with(&names[*place], *part, "")).collect()
 }
 
 /// The axes of these columns, each with its columns; empty if there are not several.
@@ -143,8 +148,7 @@ fn axes(names: &[String]) -> BTreeMap<String, Columns> {
     let of_current = |(part, own): (String, Columns)| {
         let currents: Columns = own
             .into_iter()
-            .filter(|(place, _)| !is_phase(&names[*place]))
-            .filter(|(place, (start, end))| is_current(&(names[*place][..*start].to_string() + &names[*place][*end..])))
+            .filter(|(place, part)| !is_phase(&names[*place]) && is_current(&with(&names[*place], *part, "")))
             .collect();
         (is_short(&part) && !currents.is_empty()).then_some((part, currents))
     };
@@ -193,10 +197,7 @@ impl Axes {
             names[place][start..end].to_string()
         };
         let list = moving.iter().map(|part| written(part)).collect::<Vec<_>>().join(", ");
-        let mark = |(place, (start, end)): (&usize, &(usize, usize))| {
-            let name = &names[*place];
-            (name.clone(), format!("{}?{}", &name[..*start], &name[*end..]))
-        };
+        let mark = |(place, part): (&usize, &(usize, usize))| (names[*place].clone(), with(&names[*place], *part, "?"));
         let is_asked = moving.len() > 1;
         let said = if is_asked {
             format!("several motors move: which one has the bearing, {list}?")

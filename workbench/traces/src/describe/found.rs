@@ -216,16 +216,16 @@ fn signals<'a>(columns: impl Iterator<Item = (&'a String, &'a Vec<f64>)>) -> (Ve
         let Some(first) = steps.next() else { return true };
         (first == 0.0 || first == 1.0) && steps.all(|step| step == first)
     };
-    let each = |(name, column): (&'a String, &'a Vec<f64>)| (name, is_line(column), blank(name, column));
-    let all: Vec<(&String, bool, Option<String>)> = columns.map(each).collect();
-    let some = |is_some: &dyn Fn(bool, bool) -> bool| {
-        let own = all.iter().filter(|(_, is_line, blank)| is_some(*is_line, blank.is_some()));
-        own.map(|(name, ..)| (*name).clone()).collect::<Vec<String>>()
+    // Columns that stand or count are the last choice, those that lack most rows the second.
+    let ranked = |(name, column): (&'a String, &'a Vec<f64>)| {
+        let blank = blank(name, column);
+        (if is_line(column) { 2 } else { u8::from(blank.is_some()) }, name, blank)
     };
-    let choices = [some(&|line, blank| !line && !blank), some(&|line, _| !line), some(&|_, _| true)];
-    let kept = choices.into_iter().find(|own| !own.is_empty()).unwrap_or_default();
-    let said = all.into_iter().filter(|(name, ..)| !kept.contains(name)).filter_map(|(.., blank)| blank);
-    (kept.clone(), said.collect())
+    let all: Vec<(u8, &String, Option<String>)> = columns.map(ranked).collect();
+    let best = all.iter().map(|(rank, ..)| *rank).min();
+    let (kept, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|(rank, ..)| Some(*rank) == best);
+    let said = others.into_iter().filter_map(|(.., blank)| blank).collect();
+    (kept.into_iter().map(|(_, name, _)| name.clone()).collect(), said)
 }
 
 /// What is said of a column that lacks most rows.

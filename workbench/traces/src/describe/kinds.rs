@@ -62,16 +62,17 @@ pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>
     let form = data.text_form();
     let read = |file: &PathBuf| {
         let looked = Table::open_as(file, &form).and_then(|table| {
-            let mut own = ByName::new();
+            let (mut signs, mut rows) = (ByName::new(), None);
             let mut look = |name: &str, values: &[f64]| {
-                own.extend(signs::of_column(name, values).map(|own| (name.to_string(), own)));
+                signs.extend(signs::of_column(name, values).map(|own| (name.to_string(), own)));
+                rows = rows.or_else(|| (!is_label(name)).then_some(values.len()));
             };
             let (numeric, problems) = reader::numeric_with(&table, data.time.as_deref(), &mut look)?;
             let (labels, signals): (Vec<String>, Vec<String>) = numeric.into_iter().partition(|name| is_label(name));
             let no_signal =
                 |name: &String| Error::content(file, format!("column {name}"), "the class of rows, no signal");
             let problems: Vec<Error> = problems.into_iter().chain(labels.iter().map(no_signal)).collect();
-            Ok((table.names().to_vec(), signals, problems, own))
+            Ok((table.names().to_vec(), signals, problems, signs, rows.unwrap_or(0)))
         });
         step(1);
         looked
@@ -79,28 +80,18 @@ pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>
     let looked: Vec<Result<_, Error>> = files.par_iter().map(read).collect();
     for (file, looked) in files.iter().zip(looked) {
         match looked {
-            Ok((names, signals, problems, own)) => match all.iter_mut().find(|alike| alike.names == names) {
+            Ok((names, signals, problems, signs, rows)) => match all.iter_mut().find(|alike| alike.names == names) {
                 Some(alike) => {
                     alike.files.push((file.clone(), signals, problems));
-                    alike.signs.extend(own);
+                    alike.signs.extend(signs);
                 }
-                None => {
-                    let rows = Table::open_as(file, &form).map_or(0, |table| rows_of(&table, &signals));
-                    all.push(Alike { names, rows, files: vec![(file.clone(), signals, problems)], signs: own });
-                }
+                None => all.push(Alike { names, rows, files: vec![(file.clone(), signals, problems)], signs }),
             },
             Err(error) => left.push(LeftOut { file: file.clone(), reason: reason(&error) }),
         }
     }
     let kinds = all.into_iter().flat_map(|alike| alike.kinds(&mut left)).collect();
     (kinds, left)
-}
-
-/// The number of rows of a table, by the first of these columns.
-fn rows_of(table: &Table, columns: &[String]) -> usize {
-    let place = columns.first().and_then(|name| table.names().iter().position(|own| own == name));
-    let read = place.and_then(|place| table.read_each(&[place]).ok()?.pop()?.ok());
-    read.map_or(0, |column| column.len())
 }
 
 /// Whether a column has the class of rows as a number, by its name.

@@ -59,8 +59,6 @@ struct Name {
     codes: Vec<String>,
     numbers: Vec<String>,
     set: String,
-    /// The motor, where files are of several.
-    axis: Option<String>,
 }
 
 /// How the files of a folder are named.
@@ -87,7 +85,6 @@ impl Name {
         let name = file_name(path);
         let whole = stem(&composed(&name)).to_string();
         let (mut folders, mut keys, mut runs) = (Vec::new(), Vec::new(), Vec::new());
-        let axis = axis_of(path, naming).filter(|_| has_axes);
         let without = |text: &str| match motor_of(text) {
             Some((_, rest)) if has_axes => rest,
             _ => text.to_string(),
@@ -124,7 +121,6 @@ impl Name {
             runs,
             folder_runs,
             rest,
-            axis,
         }
     }
 
@@ -153,8 +149,9 @@ pub(super) fn labels(files: &[PathBuf], naming: &Naming) -> Result<(String, Told
         let lower = file_name(file).to_lowercase();
         lower.split(|c: char| !c.is_alphabetic()).any(|word| word != "test" && SETS.contains(&word))
     };
-    let axes: BTreeSet<String> = files.iter().filter_map(|file| axis_of(file, naming)).collect();
-    let style = Style { is_test_a_run: !files.iter().any(is_of_set), has_axes: axes.len() > 1 };
+    let axes: Vec<Option<String>> = files.iter().map(|file| axis_of(file, naming)).collect();
+    let has_axes = axes.iter().flatten().collect::<BTreeSet<_>>().len() > 1;
+    let style = Style { is_test_a_run: !files.iter().any(is_of_set), has_axes };
     let names: Vec<Name> = files.iter().map(|file| Name::of(file, naming, style)).collect();
     let (classes, told) = classes(&names);
     let mut columns = vec![("trace".to_string(), names.iter().map(|name| name.trace.clone()).collect())];
@@ -162,9 +159,8 @@ pub(super) fn labels(files: &[PathBuf], naming: &Naming) -> Result<(String, Told
     let runs = runs(&names, &classes);
     columns.push(("class_name".into(), classes));
     columns.extend(runs.map(|runs| ("run".into(), runs)));
-    if style.has_axes {
-        let axis = |name: &Name| name.axis.clone().unwrap_or_else(|| "none".into());
-        columns.push((AXIS.into(), names.iter().map(axis).collect()));
+    if has_axes {
+        columns.push((AXIS.into(), axes.into_iter().map(|axis| axis.unwrap_or_else(|| "none".into())).collect()));
     }
     columns.extend(keyed(&names).into_iter().chain(folders));
     columns.extend(numbered("n", &names, |name| &name.numbers));

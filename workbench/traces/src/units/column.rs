@@ -90,9 +90,9 @@ fn joined(end: &str, lower: &str) -> Option<Unit> {
     if quotient.len() < lower.len() {
         return parse(&quotient);
     }
-    let short = || lower.strip_suffix("ps").or_else(|| lower.strip_suffix("rads").map(|_| "rad"));
     let Some((one, other)) = end.split_once('_') else {
-        let short = short().filter(|own| SPEEDS.contains(own))?;
+        let angle = || lower.strip_suffix('s').filter(|own| own.ends_with("rad"));
+        let short = lower.strip_suffix("ps").or_else(angle).filter(|own| SPEEDS.contains(own))?;
         return parse(&format!("{short}/s")).filter(is_speed);
     };
     // Delay in seconds: delay_in_s.
@@ -160,6 +160,7 @@ mod tests {
             ("speed (rad.s⁻¹)", "rad/s"),
             ("omega_radps", "rad/s"),
             ("omega_rads", "rad/s"),
+            ("omega_mrads", "mrad/s"),
             ("speed_mrad_s", "mrad/s"),
             ("speed_deg_per_s", "deg/s"),
             ("speed_rev_per_min", "rpm"),

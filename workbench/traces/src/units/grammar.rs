@@ -9,7 +9,7 @@
 //! Each symbol has the exponents of angle, length, mass, time, current and temperature; these tell the quantity. A
 //! number by a time is a speed of rotation in `1/min`, as data sheets write it; `1/s` is none, since it stands for
 //! turns and for radians. Effective values (`A rms`) are no unit: what is meant by them depends on the drive. Nor is an
-//! angle times a time (`rad.s`): nobody measures it, and a quotient is meant, or not.
+//! angle times a time (`rad.s`), which is no measured quantity: `rad/s` may be meant, and the unit is not known.
 
 use super::unit::{DEGREE, Quantity, TURN, Unit};
 

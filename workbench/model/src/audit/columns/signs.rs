@@ -11,6 +11,8 @@
 
 use std::collections::HashSet;
 
+use super::held::finite;
+
 /// Bits of the types that drives and loggers have.
 const BITS: [u8; 9] = [8, 10, 12, 14, 16, 18, 20, 24, 32];
 /// Fewest rows that are looked at, and fewest different negative values: a single one is a code. So many of both signs
@@ -38,12 +40,12 @@ impl Signs {
     /// How these values are written, if they are such; a missing one is NaN.
     #[must_use]
     pub fn of(x: &[f64]) -> Option<Self> {
-        let is_count = |x: &&f64| x.is_nan() || **x >= 0.0 && x.fract() == 0.0;
+        let is_count = |x: &f64| x.is_nan() || *x >= 0.0 && x.fract() == 0.0;
         // Most columns have a number with digits behind the point in one of their first rows.
-        if x.len() < FEWEST || !x.iter().all(|x| is_count(&x)) {
+        if x.len() < FEWEST || !x.iter().all(is_count) {
             return None;
         }
-        let known: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
+        let known = finite(x);
         let largest = known.iter().copied().fold(0.0, f64::max);
         let bits = BITS.into_iter().find(|bits| largest < range(*bits))?;
         if largest < 0.5 * range(bits) || !known.iter().any(|x| *x < 0.5 * range(bits)) {
@@ -55,22 +57,26 @@ impl Signs {
     /// Whether the decoded neighbours of different sign are as near as others are.
     fn fits(self, x: &[f64]) -> bool {
         let decoded: Vec<f64> = x.iter().map(|x| self.decoded(*x)).collect();
+        let half = 0.5 * range(self.bits());
+        let steps = || x.windows(2).zip(decoded.windows(2)).map(|(x, y)| ((x[0] < half) != (x[1] < half), y[1] - y[0]));
+        let of = |over: bool| steps().filter(move |(own, _)| *own == over).map(|(_, step)| step.abs());
+        let furthest = of(true).fold(0.0, f64::max);
+        // Most counts that have no lost sign are known by this alone.
+        if furthest > NEAR * range(self.bits()) {
+            return false;
+        }
         let different = |is_negative: bool| {
             let own = decoded.iter().filter(|x| (**x < 0.0) == is_negative).map(|x| x.to_bits());
             own.collect::<HashSet<u64>>().len()
         };
         let (negative, positive) = (different(true), different(false));
-        let half = 0.5 * range(self.bits());
-        let steps = || x.windows(2).zip(decoded.windows(2)).map(|(x, y)| ((x[0] < half) != (x[1] < half), y[1] - y[0]));
-        let of = |over: bool| steps().filter(move |(own, _)| *own == over).map(|(_, step)| step.abs());
         let mut usual: Vec<f64> = of(false).collect();
         usual.sort_by(f64::total_cmp);
         let largest =
             usual.get(((1.0 - LARGEST) * usual.len() as f64) as usize).or(usual.last()).copied().unwrap_or(0.0);
         let (low, high) = decoded.iter().fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
         let within = if negative.min(positive) >= MANY { high - low } else { 0.0 };
-        let most = (TIMES * largest + MORE).max(within).min(NEAR * range(self.bits()));
-        negative >= DIFFERENT && of(true).all(|step| step <= most)
+        negative >= DIFFERENT && furthest <= (TIMES * largest + MORE).max(within)
     }
 
     /// The number that a value stands for.

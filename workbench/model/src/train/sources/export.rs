@@ -411,7 +411,7 @@ pub(crate) fn evidence(constants: &EvidenceConstants) -> String {
 
 /// A record of numbers as source: `Debug` prints each `f32` as the shortest decimal that parses to it.
 fn literal(record: &impl fmt::Debug) -> String {
-    format!("{record:?}").replace("inf", "f32::INFINITY")
+    format!("{record:?}").replace(": inf", ": f32::INFINITY")
 }
 
 /// Returns the shortest decimal that parses to the same `f32`.
