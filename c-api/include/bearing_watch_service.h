@@ -150,6 +150,8 @@ enum {
   // The smallest defect in each rising coordinate of the model, the last ones, that the segment would have shown: a
   // part of the usual friction, or the amplitude at a bearing order, A; infinite if it shows none.
   BW_VALUES_SMALLEST = 15,
+  // Amplitude of the weight on an axis and its standard deviation, A; none in a plan without one.
+  BW_VALUES_WEIGHT = 16,
 };
 
 // The calibration of one drive, in memory of the caller.

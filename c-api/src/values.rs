@@ -46,10 +46,12 @@ pub enum BwValues {
     /// The smallest defect in each rising coordinate of the model, the last ones, that the segment would have shown: a
     /// part of the usual friction, or the amplitude at a bearing order, A; infinite if it shows none.
     Smallest = 15,
+    /// Amplitude of the weight on an axis and its standard deviation, A; none in a plan without one.
+    Weight = 16,
 }
 
 impl BwValues {
-    const ALL: [Self; 16] = [
+    const ALL: [Self; 17] = [
         Self::LogLikelihoods,
         Self::Posteriors,
         Self::ExpectedCosts,
@@ -66,6 +68,7 @@ impl BwValues {
         Self::Means,
         Self::RootMeanSquares,
         Self::Smallest,
+        Self::Weight,
     ];
 }
 
@@ -126,6 +129,10 @@ fn list(report: &Report<Own>, what: BwValues, mut each: impl FnMut(f32)) {
         BwValues::Friction => return friction(|own| own.value),
         BwValues::FrictionDeviations => return friction(|own| own.deviation),
         BwValues::FrictionScores => return friction(|own| own.score),
+        BwValues::Weight => {
+            let weight = shaft.filter(|own| own.friction_reason.is_none()).and_then(|own| own.friction.weight_a());
+            return weight.into_iter().flat_map(|(value, deviation)| [value, deviation]).for_each(each);
+        }
         _ => {}
     }
     let mut orders = |value: fn(&OrderStrength) -> f32| {

@@ -178,7 +178,7 @@ fn behind_a_stop_every_function_refuses_the_state() {
 #[test]
 fn a_model_that_is_too_large_is_refused() {
     mod large {
-        use bearing_watch::plan::{Layout, ShaftLayout};
+        use bearing_watch::plan::{Layout, Load, ShaftLayout};
         bearing_watch::plan! {
             pub struct Large;
             pub struct Sample with angle { current_a: "A", velocity_rad_s: "rad/s" }
@@ -186,7 +186,7 @@ fn a_model_that_is_too_large_is_refused() {
                 shaft: Some(ShaftLayout {
                     current: current_a,
                     velocity: Some(velocity_rad_s),
-                    load: None,
+                    load: Load::Unknown,
                     orders: 7,
                     harmonics: 1,
                     decimation: 1,

@@ -166,6 +166,7 @@ fn friction_and_bearing_orders() {
     assert_eq!(compare(&shaft::MODEL, (0..4 * segment).map(|_| plant.motion().into())), 4);
     let segment = shaft::LOADLESS.constants().sampling.segment_samples;
     assert_eq!(compare(&shaft::LOADLESS, (0..3 * segment).map(|_| plant.motion().into())), 3);
+    assert_eq!(compare(&shaft::WEIGHING, (0..3 * segment).map(|_| plant.motion().into())), 3);
 }
 
 #[test]

@@ -63,6 +63,7 @@ class _Recordings(TypedDict, total=False):
     velocity_from: Literal["best", "channel", "angle"]
     current_delay: float
     balance_cutoff_hz: float
+    gear_ratio: float
 
 
 class _Classifier(_Choice, total=False):

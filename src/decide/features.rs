@@ -236,7 +236,7 @@ impl Feature {
             }
             (_, None) => false,
             (Self::Friction(term) | Self::FrictionScore(term) | Self::LogFriction(term), Some(shaft)) => {
-                shaft.load.is_some() || !term.needs_load()
+                shaft.load.measured().is_some() || !term.needs_load()
             }
             (Self::LogFrictionVariance, Some(_)) => true,
             (Self::OrderScore(index) | Self::LogOrderAmplitude(index), Some(shaft)) => index < shaft.orders,
@@ -274,7 +274,7 @@ fn channel_value(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
+    use crate::plan::{Load, Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
     use crate::shaft::state::tests;
     use crate::shaft::{OrderStrength, Parameter};
     use std::vec;
@@ -290,7 +290,7 @@ mod tests {
         let shaft = ShaftLayout {
             current: signal(0),
             velocity: Some(signal(1)),
-            load: None,
+            load: Load::Unknown,
             orders: 2,
             harmonics: 3,
             decimation: 1,

@@ -154,7 +154,7 @@ impl<P: Plan> Classifier<P> {
 mod tests {
     use super::*;
     use crate::decide::{Covariates, Discriminant, Novelty, Projection, Rise};
-    use crate::plan::{Kind, Layout, Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
+    use crate::plan::{Kind, Layout, Load, Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
     use crate::reason::FrictionTerm;
     use crate::shaft::state::tests::balance;
     use crate::shaft::{OrderStrength, Parameter, ShaftEstimate};
@@ -164,7 +164,7 @@ mod tests {
     fn plan() -> RunTime {
         let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
         let signal = Signal::channel;
-        let (velocity, load) = (Some(signal(1)), None);
+        let (velocity, load) = (Some(signal(1)), Load::Unknown);
         let shaft = ShaftLayout { current: signal(0), velocity, load, orders: 1, harmonics: 3, decimation: 1 };
         let layout = Layout { shaft: Some(shaft), features: 4, coordinates: 4, rising: 4, classes: 1, ..plain };
         RunTime::of(Layout { discriminant: Kind::Linear, ..layout }).unwrap()

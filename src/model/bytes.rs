@@ -12,11 +12,13 @@ use super::reader::{read, read_layout};
 use super::stored::put;
 use super::{Model, ModelError};
 use crate::checksum::crc32;
-use crate::plan::{Layout, Plan};
+use crate::plan::{Layout, Load, Plan};
 use crate::record::{Fault, Field, Input, Output};
 
 const MAGIC: [u8; 4] = *b"BWMD";
-const VERSION: u16 = 11;
+/// The newest version that is read, which models with a weight on an axis have; all others have the one before.
+const VERSION: u16 = 12;
+const WITHOUT_WEIGHT: u16 = 11;
 const HEADER: usize = 16;
 /// Largest length of payload and of notes; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
@@ -58,7 +60,7 @@ fn header(bytes: &[u8]) -> Result<(usize, usize), ModelError> {
     let (given, flags) = (header.u16(), header.u16());
     let (payload, notes) = (header.u32() as usize, header.u32() as usize);
     header.so_far()?;
-    if given != VERSION {
+    if !(WITHOUT_WEIGHT..=VERSION).contains(&given) {
         return Err(ModelError::Version { given, supported: VERSION });
     }
     // Reserved: a later build may give them a meaning that this one must not ignore.
@@ -118,7 +120,7 @@ impl<P: Plan> Model<P> {
         let payload = output.written().ok_or(ModelError::BufferTooSmall)?;
         output.text(notes.as_bytes());
         let end = output.written().ok_or(ModelError::BufferTooSmall)?.saturating_add(HEADER);
-        *header = header_of(payload, notes.len())?;
+        *header = header_of(version(&self.plan().layout()), (payload, notes.len()))?;
         let (content, rest) = buffer.split_at_mut_checked(end).ok_or(ModelError::BufferTooSmall)?;
         *rest.first_chunk_mut().ok_or(ModelError::BufferTooSmall)? = crc32(content).to_le_bytes();
         Ok(end.saturating_add(4))
@@ -135,14 +137,20 @@ impl From<Fault> for ModelError {
     }
 }
 
+/// The first version that has all of this layout, so that an older firmware refuses only what it cannot read.
+fn version(layout: &Layout) -> u16 {
+    let weighs = layout.shaft.is_some_and(|shaft| matches!(shaft.load, Load::Weight { .. }));
+    if weighs { VERSION } else { WITHOUT_WEIGHT }
+}
+
 /// The header before so many bytes of payload and notes.
-fn header_of(payload: usize, notes: usize) -> Result<[u8; HEADER], ModelError> {
+fn header_of(version: u16, (payload, notes): (usize, usize)) -> Result<[u8; HEADER], ModelError> {
     if payload > MAX_BYTES || notes > MAX_BYTES {
         return Err(ModelError::BufferTooSmall);
     }
     let length = |n: usize| u32::try_from(n).map(u32::to_le_bytes).map_err(|_| ModelError::BufferTooSmall);
     let [m0, m1, m2, m3] = MAGIC;
-    let [v0, v1] = VERSION.to_le_bytes();
+    let [v0, v1] = version.to_le_bytes();
     let ([p0, p1, p2, p3], [n0, n1, n2, n3]) = (length(payload)?, length(notes)?);
     Ok([m0, m1, m2, m3, v0, v1, 0, 0, p0, p1, p2, p3, n0, n1, n2, n3])
 }
@@ -150,16 +158,17 @@ fn header_of(payload: usize, notes: usize) -> Result<[u8; HEADER], ModelError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::{ShaftLayout, Signal};
 
     #[test]
     fn the_header_has_the_bytes_of_the_format() {
         let bytes = [b'B', b'W', b'M', b'D', 11, 0, 0, 0, 4, 3, 2, 0, 6, 5, 1, 0];
-        assert_eq!(header_of(0x2_0304, 0x1_0506), Ok(bytes));
+        assert_eq!(header_of(11, (0x2_0304, 0x1_0506)), Ok(bytes));
         assert_eq!(header(&bytes), Ok((0x2_0304, 0x1_0506)));
-        for given in [9, 10, 12] {
+        for given in [9, 10, 13] {
             let mut other = bytes;
             other[4] = given;
-            assert_eq!(header(&other), Err(ModelError::Version { given: given.into(), supported: 11 }));
+            assert_eq!(header(&other), Err(ModelError::Version { given: given.into(), supported: 12 }));
         }
         let mut flagged = bytes;
         flagged[6] = 1;
@@ -167,12 +176,24 @@ mod tests {
     }
 
     #[test]
+    fn only_a_model_with_a_weight_has_the_newer_version() {
+        let with = |load| {
+            let current = Signal::channel(0);
+            let shaft = ShaftLayout { current, velocity: None, load, orders: 0, harmonics: 1, decimation: 1 };
+            Layout { shaft: Some(shaft), ..Layout::EMPTY }
+        };
+        let all = [Load::Unknown, Load::Measured(Signal::channel(0)), Load::Weight { axis_q32: 1 }];
+        assert_eq!(all.map(|load| version(&with(load))), [11, 11, 12]);
+        assert_eq!(version(&Layout::EMPTY), 11);
+    }
+
+    #[test]
     fn payload_and_notes_have_at_most_a_mebibyte_each() {
         let (most, more) = (MAX_BYTES, MAX_BYTES + 1);
-        assert_eq!(header(&header_of(most, most).unwrap()), Ok((most, most)));
+        assert_eq!(header(&header_of(11, (most, most)).unwrap()), Ok((most, most)));
         for (payload, notes) in [(more, 0), (0, more), (2 * more, 2 * more)] {
-            assert_eq!(header_of(payload, notes), Err(ModelError::BufferTooSmall));
-            let mut bytes = header_of(0, 0).unwrap();
+            assert_eq!(header_of(11, (payload, notes)), Err(ModelError::BufferTooSmall));
+            let mut bytes = header_of(11, (0, 0)).unwrap();
             bytes[8..12].copy_from_slice(&(payload as u32).to_le_bytes());
             bytes[12..].copy_from_slice(&(notes as u32).to_le_bytes());
             assert_eq!(header(&bytes), Err(ModelError::Truncated), "{payload} {notes}");

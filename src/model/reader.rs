@@ -8,9 +8,9 @@ use super::{
     Sampling, ShaftConstants, TorqueBalance, TrackedOrder, Tracking,
 };
 use crate::plan::{
-    Cells, Kind, Layout, Memory, Method, Plan, Presence as _, RegressionLayout, ShaftLayout, Signal, Structure,
+    Cells, Kind, Layout, Load, Memory, Method, Plan, Presence as _, RegressionLayout, ShaftLayout, Signal, Structure,
 };
-use crate::record::{Fault, Input, NONE};
+use crate::record::{Fault, Input, NONE, WEIGHT};
 use crate::signal::Park;
 
 fn floats<C: Cells<f32>>(input: &mut Input<'_>, length: usize) -> C {
@@ -59,7 +59,16 @@ pub(super) fn read_layout(input: &mut Input<'_>) -> Result<Layout, Fault> {
     if input.flag(Field::Layout) {
         let [current, velocity, load] = signals(input);
         let measured = |signal: Signal| (signal.channel != NONE).then_some(signal);
-        let (velocity, load) = (measured(velocity), measured(load));
+        let load = match (measured(load), load.minus) {
+            (Some(load), _) => Load::Measured(load),
+            (None, None) => Load::Unknown,
+            (None, Some(WEIGHT)) => Load::Weight { axis_q32: input.u32() },
+            (None, Some(_)) => {
+                input.refuse(Fault::OutOfRange(Field::Layout));
+                Load::Unknown
+            }
+        };
+        let velocity = measured(velocity);
         let (orders, steps) = (input.u8(), input.u8());
         let (harmonics, decimation) = (steps & 0xF, (steps >> 4).wrapping_add(1));
         layout.shaft = Some(ShaftLayout { current, velocity, load, orders, harmonics, decimation });

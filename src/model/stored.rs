@@ -7,8 +7,8 @@
 use super::parts::{ModelView, RegressionView, RunsView, ShaftView};
 use super::sampling::Sampling;
 use crate::decide::NO_MODEL;
-use crate::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
-use crate::record::{NONE, Output};
+use crate::plan::{Kind, Layout, Load, Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
+use crate::record::{NONE, Output, WEIGHT};
 use crate::signal::{Channel, Label, Park};
 
 /// Appends each record of a list.
@@ -98,7 +98,7 @@ const fn put_layout(layout: &Layout, output: &mut Output<'_>) {
     if let Some(ShaftLayout { current, velocity, load, orders, harmonics, decimation }) = layout.shaft {
         put_signal(Some(current), output);
         put_signal(velocity, output);
-        put_signal(load, output);
+        put_load(load, output);
         output.u8(orders);
         // The high half of the byte is the decimation less one, so that 0 is that of each sample.
         output.u8(harmonics & 0xF | decimation.wrapping_sub(1) << 4);
@@ -112,6 +112,19 @@ const fn put_layout(layout: &Layout, output: &mut Output<'_>) {
     output.u8(directions);
     output.u8(classes);
     output.u8(matches!(discriminant, Kind::Quadratic) as u8);
+}
+
+/// A load that is not measured names no channel; the byte of the channel that is subtracted says what follows.
+const fn put_load(load: Load, output: &mut Output<'_>) {
+    match load {
+        Load::Unknown => put_signal(None, output),
+        Load::Measured(signal) => put_signal(Some(signal), output),
+        Load::Weight { axis_q32 } => {
+            output.u8(NONE);
+            output.u8(WEIGHT);
+            output.u32(axis_q32);
+        }
+    }
 }
 
 const fn put_signal(signal: Option<Signal>, output: &mut Output<'_>) {

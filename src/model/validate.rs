@@ -11,7 +11,7 @@ use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differe
 use super::sampling::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES, Sampling};
 use crate::alarm::EvidenceConstants;
 use crate::decide::{Background, Covariate, MAX_SURPRISE};
-use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
+use crate::plan::{Load, Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
 use crate::record::{Field, LARGEST, LEAST_LOG, LONGEST_S, MOST_NATS};
 use crate::regression::estimate::is_stable;
 use crate::regression::factor::MAX_SEGMENT_ROWS;
@@ -202,8 +202,8 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftView<'_>, parts: &ModelV
         None => core::f32::consts::PI * layout.decimation as f32 / balance.interval_s,
     };
     let load = match layout.load {
-        Some(load) => limit_of(parts.channels, load),
-        None => 1.0,
+        Load::Measured(load) => limit_of(parts.channels, load),
+        Load::Unknown | Load::Weight { .. } => 1.0,
     };
     let [acceleration_scale, velocity_scale, _, load_scale, _, friction_scale, _, current_scale] = balance.scale;
     let current = limit_of(parts.channels, layout.current);

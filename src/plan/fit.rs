@@ -142,7 +142,7 @@ impl Layout {
         if let Some(ShaftLayout { current, velocity, load, .. }) = self.shaft {
             pass!(self.check_signal(Some(current)));
             pass!(self.check_signal(velocity));
-            pass!(self.check_signal(load));
+            pass!(self.check_signal(load.measured()));
         }
         Ok(())
     }

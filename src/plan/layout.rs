@@ -97,6 +97,48 @@ pub struct RegressionLayout {
     pub u2: Signal,
 }
 
+/// What is known of the load of a shaft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Load {
+    /// Nothing.
+    Unknown,
+    /// Its torque against positive motion, N·m, is measured.
+    Measured(Signal),
+    /// It is a weight on an axis behind a gear or belt: a sine of the axis' angle, of unknown amplitude and phase.
+    Weight {
+        /// Turns of the axis a turn of the motor, 2⁻³² turns.
+        axis_q32: u32,
+    },
+}
+
+impl Load {
+    /// A measured load, or none.
+    #[must_use]
+    pub const fn of(signal: Option<Signal>) -> Self {
+        match signal {
+            Some(signal) => Self::Measured(signal),
+            None => Self::Unknown,
+        }
+    }
+
+    /// The signal of a measured load.
+    #[inline(always)]
+    #[must_use]
+    pub const fn measured(self) -> Option<Signal> {
+        match self {
+            Self::Measured(signal) => Some(signal),
+            Self::Unknown | Self::Weight { .. } => None,
+        }
+    }
+
+    /// Whether the torque balance has terms for it.
+    #[inline(always)]
+    pub(crate) const fn has_terms(self) -> bool {
+        !matches!(self, Self::Unknown)
+    }
+}
+
 /// The shaft of a plan. Torque balance and bearing orders use the same channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -105,8 +147,8 @@ pub struct ShaftLayout {
     pub current: Signal,
     /// Measured velocity, rad/s; `None` takes it from the differences of the angle.
     pub velocity: Option<Signal>,
-    /// Load torque against positive motion, N·m; `None` if it is not measured.
-    pub load: Option<Signal>,
+    /// What is known of the load.
+    pub load: Load,
     /// Number of bearing orders.
     pub orders: u8,
     /// Number of harmonics of each order, 1 … 3.
@@ -158,7 +200,7 @@ impl ShaftLayout {
     /// The channels that the shaft uses, as a bit mask.
     #[inline(always)]
     pub(crate) const fn mask(&self) -> u16 {
-        self.current.mask() | mask(self.velocity) | mask(self.load)
+        self.current.mask() | mask(self.velocity) | mask(self.load.measured())
     }
 
     /// Whether balance and orders take each second sample.
@@ -167,10 +209,10 @@ impl ShaftLayout {
         self.decimation == 2
     }
 
-    /// Whether the shaft needs the angle: for bearing orders, or for the velocity.
+    /// Whether the shaft needs the angle: for bearing orders, for the velocity, or for the angle of an axis.
     #[inline(always)]
     pub(crate) const fn needs_angle(&self) -> bool {
-        self.orders > 0 || self.velocity.is_none()
+        self.orders > 0 || self.velocity.is_none() || matches!(self.load, Load::Weight { .. })
     }
 }
 
@@ -242,7 +284,7 @@ mod tests {
     fn a_shaft_of_each_second_sample_holds_more_of_them() {
         let shaft = |decimation| {
             let [current, load] = [0, 1].map(Signal::channel);
-            ShaftLayout { current, velocity: None, load: Some(load), orders: 2, harmonics: 3, decimation }
+            ShaftLayout { current, velocity: None, load: Load::Measured(load), orders: 2, harmonics: 3, decimation }
         };
         let of = |decimation| Layout { channels: 2, regression: None, shaft: Some(shaft(decimation)), ..PLAIN };
         assert_eq!([PLAIN, of(1), of(2)].map(|layout| layout.moments()), [0, 8, 23]);

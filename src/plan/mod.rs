@@ -25,7 +25,7 @@ mod values;
 pub use bounded::Bounds;
 pub use fit::LayoutError;
 pub use layout::{
-    Kind, Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_DIRECTIONS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method,
+    Kind, Layout, Load, MAX_CHANNELS, MAX_COVARIATES, MAX_DIRECTIONS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method,
     RegressionLayout, ShaftLayout, Signal,
 };
 #[cfg(any(test, feature = "alloc"))]

@@ -15,6 +15,8 @@ pub(crate) use output::Output;
 
 /// Stands for "none" in a byte.
 pub(crate) const NONE: u8 = u8::MAX;
+/// In place of the channel that a load subtracts, if there is none to subtract from: the load is a weight on an axis.
+pub(crate) const WEIGHT: u8 = 0;
 /// The largest number below one.
 pub(crate) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 /// Largest number: its square is far inside the range of f32.

@@ -22,6 +22,9 @@
 //! behind the angle. The noise of a velocity channel, differentiated, is what hides small defects; the angle often has
 //! less.
 //!
+//! A plan with a weight on an axis ([`Load::Weight`](crate::plan::Load::Weight)) turns the angle of the axis with that of
+//! the motor, and its cosine and sine are the load. Until the weight is known, no order is summed.
+//!
 //! A sample that may not be used is replaced by the last one, and the residual pauses until only measured samples are
 //! in it: one lost sample costs a few samples. After a long gap the filters start afresh; the phases of the orders
 //! continue if the shaft turned less than half a turn in it.
@@ -33,7 +36,7 @@ mod plausibility;
 pub(crate) mod solve;
 pub(crate) mod state;
 
-pub use balance::{Friction, Parameter};
+pub use balance::{Friction, LoadTerms, Parameter};
 pub use orders::{Bearing, OrderStrength};
 pub use state::ShaftEstimate;
 

@@ -40,6 +40,7 @@
 //! except by (3); and wrong signals of a plan without a shaft.
 
 use super::balance::{Friction, Parameter, TERMS, TorqueBalance};
+use crate::reason::FrictionTerm;
 use crate::reason::Implausible::{
     self, AngleSteps, Current, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign,
     VelocityScale, VelocitySign,
@@ -154,7 +155,8 @@ pub fn is_stuck(balance: &TorqueBalance, friction: &Friction, usage: &Usage) -> 
 pub fn of_balance(balance: &TorqueBalance, friction: &Friction, explained: f32) -> Option<Implausible> {
     let unusual = UNUSUAL * balance.deviation;
     let left = 1.0 - balance.row_spread * TERMS as f32 / friction.rows as f32;
-    let loaded = friction.inverse_torque_constant.is_some();
+    let inverse = friction.parameter(FrictionTerm::InverseTorqueConstant);
+    let loaded = inverse.is_some();
     if loaded && friction.variance > unusual * unusual && (explained + 1.0) * left < 2.0 {
         return Some(Current); // (4)
     }
@@ -162,16 +164,22 @@ pub fn of_balance(balance: &TorqueBalance, friction: &Friction, explained: f32) 
     let spread = friction.variance / (balance.deviation * balance.deviation);
     let inertia = Fit::of(friction.inertia, n0, w0, spread);
     let inertia = if loaded || inertia == Fit::Negative { inertia } else { Fit::Unknown };
-    let torque = friction.inverse_torque_constant.map_or(Fit::Unknown, |parameter| Fit::of(parameter, n3, w3, spread));
+    let torque = inverse.map_or(Fit::Unknown, |parameter| Fit::of(parameter, n3, w3, spread));
     let cause = CAUSES.get(inertia as usize).and_then(|row| row.get(torque as usize)).copied().flatten();
-    let off = || friction.inverse_torque_constant.is_some_and(|parameter| is_off(parameter, n3, w3, spread));
+    let off = || inverse.is_some_and(|parameter| is_off(parameter, n3, w3, spread));
     cause.or_else(|| off().then_some(Implausible::TorqueConstant))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shaft::LoadTerms;
     use crate::signal::Travel;
+
+    /// A measured load with this 1/Kt.
+    fn loaded(inverse_torque_constant: Parameter) -> LoadTerms {
+        LoadTerms::Measured { inverse_torque_constant, load_friction: Parameter::NONE }
+    }
 
     /// With a nominal value of 2 and a prior of 0.2; a deviation of 0.02 leaves 0.99 to the rows.
     fn fit(value: f32, deviation: f32) -> Fit {
@@ -275,9 +283,10 @@ mod tests {
         };
         let parameter = |value| Parameter { value, deviation: 0.02, score: 0.0 };
         let cause = |inertia, torque: Option<f32>| {
-            let (inertia, inverse_torque_constant) = (parameter(inertia), torque.map(parameter));
+            let (inertia, load) =
+                (parameter(inertia), torque.map_or(LoadTerms::Unknown, |value| loaded(parameter(value))));
             let variance = deviation * deviation;
-            of_balance(&balance, &Friction { inertia, inverse_torque_constant, variance, ..Friction::default() }, 10.0)
+            of_balance(&balance, &Friction { inertia, load, variance, ..Friction::default() }, 10.0)
         };
         assert_eq!(cause(2.0, Some(2.0)), None);
         assert_eq!([cause(2.0, Some(-2.0)), cause(-2.0, Some(-2.0))], [Some(LoadSign), Some(CurrentSign)]);
@@ -293,17 +302,17 @@ mod tests {
     #[test]
     fn a_current_that_nothing_explains_is_refused_if_the_residual_is_unusual() {
         let balance = TorqueBalance { deviation: 1.0, ..crate::shaft::state::tests::balance() };
-        let load = Some(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0 });
-        let cause = |variance, explained, inverse_torque_constant| {
-            let friction = Friction { variance, inverse_torque_constant, rows: 1_000_000, ..Friction::default() };
+        let load = loaded(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0 });
+        let cause = |variance, explained, load| {
+            let friction = Friction { variance, load, rows: 1_000_000, ..Friction::default() };
             of_balance(&balance, &friction, explained) == Some(Current)
         };
         assert_eq!([cause(26.0, 0.9, load), cause(24.0, 0.9, load), cause(26.0, 1.1, load)], [true, false, false]);
-        assert!(!cause(26.0, 0.9, None), "the load may be most of the current");
+        assert!(!cause(26.0, 0.9, LoadTerms::Unknown), "the load may be most of the current");
         // Seven terms fit half of fourteen independent rows by chance.
         let balance = TorqueBalance { row_spread: 1.0, ..balance };
         let cause = |explained| {
-            let friction = Friction { variance: 26.0, rows: 14, inverse_torque_constant: load, ..Friction::default() };
+            let friction = Friction { variance: 26.0, rows: 14, load, ..Friction::default() };
             of_balance(&balance, &friction, explained) == Some(Current)
         };
         assert_eq!([cause(2.9), cause(3.1)], [true, false]);

@@ -4,7 +4,7 @@ use super::balance::Estimated;
 use super::orders::{NoiseLine, OrderStrength, Search, SlipRange};
 use super::plausibility::{self, Usage};
 use super::state::{ShaftConstants, ShaftEstimate, ShaftSums};
-use crate::plan::{Cells, ShaftLengths};
+use crate::plan::{Cells, Load, ShaftLengths};
 use crate::reason::{Part, Reason};
 
 /// The solve of a closed segment under way.
@@ -58,7 +58,8 @@ impl ShaftSolve {
         sums: &mut ShaftSums<P>,
         estimate: &mut ShaftEstimate<P>,
     ) -> bool {
-        let load = plan.layout().shaft.is_some_and(|layout| layout.load.is_some());
+        let known = plan.layout().shaft.map_or(Load::Unknown, |layout| layout.load);
+        let load = known.has_terms();
         self.next = match self.next {
             Step::TorqueBalance => {
                 if let Some(reason) = short(sums, estimate) {
@@ -79,7 +80,7 @@ impl ShaftSolve {
                 Step::Friction
             }
             Step::Friction => {
-                match self.estimated.friction(&constants.balance, load, sums.balance.rows) {
+                match self.estimated.friction(&constants.balance, known, sums.balance.rows) {
                     Ok(friction) => {
                         estimate.stuck = plausibility::is_stuck(&constants.balance, &friction, &sums.usage);
                         if sums.balance.is_at_rest(&constants.balance, load) {
@@ -87,7 +88,8 @@ impl ShaftSolve {
                         } else {
                             (estimate.friction, estimate.friction_reason) = (friction, None);
                             let rows = sums.balance.rows;
-                            estimate.opposed = !load && self.estimated.is_opposed(&constants.balance, rows);
+                            estimate.opposed =
+                                known.measured().is_none() && self.estimated.is_opposed(&constants.balance, load, rows);
                         }
                     }
                     Err(reason) => estimate.friction_reason = Some(reason),

@@ -2,11 +2,11 @@
 
 use core::f32::consts::TAU;
 
-use super::balance::{BalanceState, BalanceSums, Friction, TorqueBalance, Torques};
+use super::balance::{BalanceState, BalanceSums, Friction, Regressors, TorqueBalance, Torques};
 use super::delays::{BEFORE, Delay, Delays, FILTERED_RING, Lags, RING, TAPS, half_band};
-use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking};
+use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking, phasor};
 use super::plausibility::{self, Usage};
-use crate::plan::{Array, Cells, ShaftLayout, ShaftLengths, Signals};
+use crate::plan::{Array, Cells, Load, ShaftLayout, ShaftLengths, Signals};
 use crate::reason::{Implausible, Part, Reason};
 use crate::signal::{Angle, Travel, TravelSums, read};
 
@@ -87,7 +87,7 @@ impl<P: ShaftLengths> ShaftEstimate<P> {
             if self.opposed {
                 return Some(Implausible::Sign);
             }
-            let explained = sums.balance.explained(friction.inverse_torque_constant.is_some());
+            let explained = sums.balance.explained(has_load(plan));
             plausibility::of_balance(&constants.balance, friction, explained)
         })
     }
@@ -132,6 +132,8 @@ pub struct Shaft<P: ShaftLengths> {
     /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start
     /// anywhere.
     angle: Angle,
+    /// The angle of an axis with a weight, 2⁻⁶⁴ turns; its start has no effect.
+    axis: u64,
     travel: Travel,
     balance: BalanceState,
     residual: ResidualState,
@@ -175,7 +177,7 @@ impl<P: ShaftLengths> ShaftSums<P> {
 
 #[inline(always)]
 fn has_load<P: ShaftLengths>(plan: P) -> bool {
-    plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some())
+    plan.layout().shaft.is_some_and(|shaft| shaft.load.has_terms())
 }
 
 impl<P: ShaftLengths> Shaft<P> {
@@ -194,6 +196,7 @@ impl<P: ShaftLengths> Shaft<P> {
             largest_change: counts(constants.balance.largest_change_rad),
             stepped: false,
             angle: Angle::ZERO,
+            axis: 0,
             travel: Travel::default(),
             balance: BalanceState::new(&constants.balance),
             residual: ResidualState::new(),
@@ -234,7 +237,7 @@ impl<P: ShaftLengths> Shaft<P> {
                 None => self.mean_velocity_rad_s(interval_s, sample.angle(), &last),
             };
             self.lost = 0;
-            let load_nm = load.map_or(0.0, |load| read(load, sample));
+            let load_nm = load.measured().map_or(0.0, |load| read(load, sample));
             let current_a = read(current, sample);
             Moment { torques: Torques { current_a, velocity_rad_s, load_nm }, angle: sample.angle() }
         };
@@ -244,7 +247,7 @@ impl<P: ShaftLengths> Shaft<P> {
         if layout.is_halved() {
             self.halved(sums, layout, constants, moment);
         } else {
-            let now = self.torques(layout.load.is_some(), Self::between);
+            let now = self.torques(layout.load.measured().is_some(), Self::between);
             if let Some((turned, residual)) = self.balanced(sums, layout, constants, &now) {
                 self.orders.step(&mut sums.orders, &constants.tracking, turned, (layout.harmonics, residual));
             }
@@ -268,7 +271,7 @@ impl<P: ShaftLengths> Shaft<P> {
             }
             return;
         }
-        let now = self.torques(layout.load.is_some(), Self::filtered);
+        let now = self.torques(layout.load.measured().is_some(), Self::filtered);
         if let Some((turned, residual)) = self.balanced(sums, layout, constants, &now) {
             self.taken = Some(self.orders.take(tracking, turned, residual));
         }
@@ -289,11 +292,12 @@ impl<P: ShaftLengths> Shaft<P> {
         let turned = angle.since(core::mem::replace(&mut self.angle, angle));
         let usage = &mut sums.usage;
         usage.seen = usage.seen.saturating_add(1);
-        let (balance, has_load) = (&constants.balance, layout.load.is_some());
+        let (balance, has_load) = (&constants.balance, layout.load.has_terms());
+        let regressors = &balance.regressors(now, self.weight(layout.load, turned));
         if self.filling > 0 {
             self.travel.restart();
             self.orders.turn_unwatched(turned);
-            self.fill(layout.decimation, constants, now);
+            self.fill(layout.decimation, constants, now, regressors);
             return None;
         }
         usage.moved |= turned.cast_unsigned();
@@ -310,13 +314,23 @@ impl<P: ShaftLengths> Shaft<P> {
             let slowest = SLOWEST * balance.sign_velocity_rad_s * interval_s;
             self.travel.close_any(&mut sums.travel, slowest, interval_s);
         }
-        let frictions = balance.frictions(now);
-        self.balance.step(&mut sums.balance, (balance, has_load), now, &frictions, clean);
+        self.balance.step(&mut sums.balance, (balance, has_load), now, regressors, clean);
         if layout.orders == 0 {
             return None;
         }
         let (blocks, p) = (&constants.tracking.blocks, self.balance.present());
-        Some((turned, self.residual.step(balance, blocks, p, now, &frictions, clean)))
+        let known = clean && (self.balance.is_own() || !matches!(layout.load, Load::Weight { .. }));
+        Some((turned, self.residual.step(balance, blocks, p, now, regressors, known)))
+    }
+
+    /// Turns the axis of a weight; cosine and sine of its angle.
+    #[inline(always)]
+    fn weight(&mut self, load: Load, turned: i32) -> Option<[f32; 2]> {
+        let Load::Weight { axis_q32 } = load else { return None };
+        let (turned, ratio) = (i64::from(turned), i64::from(axis_q32));
+        self.axis = self.axis.wrapping_add(turned.wrapping_mul(ratio).cast_unsigned());
+        let (cos, sin) = phasor((self.axis >> 32) as u32);
+        Some([cos, sin])
     }
 
     /// The mean velocity since the last good sample. Over lost samples the shaft may turn more than half a turn: the
@@ -376,10 +390,10 @@ impl<P: ShaftLengths> Shaft<P> {
     /// Counts a step that only fills the ring; with the last of them the filters start.
     #[cold]
     #[inline(never)]
-    fn fill(&mut self, decimation: u8, constants: &ShaftConstants<P>, now: &Torques) {
+    fn fill(&mut self, decimation: u8, constants: &ShaftConstants<P>, now: &Torques, regressors: &Regressors) {
         self.filling = self.filling.saturating_sub(1);
         if self.filling == 0 {
-            self.balance.start(&constants.balance, now);
+            self.balance.start(&constants.balance, now, regressors);
             self.residual = ResidualState::new();
             // A sample lost meanwhile is still in the delays.
             self.spoilt = self.spoilt.max(decimation);

@@ -2,7 +2,7 @@ use super::sink::Sink;
 use super::*;
 use crate::alarm::Evidence;
 use crate::model::Model;
-use crate::plan::{Layout, Memory, Method, Plan, RunTime, RunTimeSample, ShaftLayout, Structure, testing};
+use crate::plan::{Layout, Load, Memory, Method, Plan, RunTime, RunTimeSample, ShaftLayout, Structure, testing};
 use crate::report::{Report, Verdict};
 use crate::signal::Angle;
 use crate::tests::{Drive, MODEL, report, samples};
@@ -15,7 +15,7 @@ crate::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: None,
+            load: Load::Unknown,
             orders: 1,
             harmonics: 3,
             decimation: 1,

@@ -69,6 +69,7 @@ fn run() {
     runs();
     watched("4 orders", &shaft::MODEL);
     watched("1 order, no load", &shaft::LOADLESS);
+    watched("1 order, a weight on an axis", &shaft::WEIGHING);
     let mut hash = Hash::new();
     decimation::bits(|output| hash.add(output));
     say!("decimation {:08x}", hash.bits());

@@ -8,7 +8,7 @@ mod support;
 use bearing_watch::Detector;
 use bearing_watch::drive::FrontEnd;
 use bearing_watch::plan::Structure;
-use bearing_watch::plan::{Layout, Memory, Method, RegressionLayout, ShaftLayout};
+use bearing_watch::plan::{Layout, Load, Memory, Method, RegressionLayout, ShaftLayout};
 
 main!(run);
 
@@ -34,7 +34,7 @@ macro_rules! bytes {
                 shaft: Some(ShaftLayout {
                     current: current_a,
                     velocity: Some(velocity_rad_s),
-                    load: Some(load_nm),
+                    load: Load::Measured(load_nm),
                     orders: $orders,
                     harmonics: 3,
                     decimation: 1,

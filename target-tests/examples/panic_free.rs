@@ -76,6 +76,7 @@ fn run() {
     detector(&refined::MODEL, |[y, u1, u2, _]| refined::Sample { y, u1, u2 });
     detector(&shaft::MODEL, |values| motion(values).into());
     detector(&shaft::LOADLESS, |values| motion(values).into());
+    detector(&shaft::WEIGHING, |values| motion(values).into());
     fading();
     largest();
 }

@@ -9,7 +9,7 @@
 
 #[rustfmt::skip]
 use bearing_watch::model::{TorqueBalance, Blocks, Channel, Classifier, Constants, Covariates, Directions, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Lags, Novelty, Projection, Regression, Rise, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking};
-use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout, Structure};
+use bearing_watch::plan::{Kind, Layout, Load, Memory, Method, RegressionLayout, ShaftLayout, Structure};
 use bearing_watch::{FrictionTerm, Model};
 
 bearing_watch::plan! {
@@ -29,7 +29,7 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: Some(load_torque_nm),
+            load: Load::Measured(load_torque_nm),
             orders: 4,
             harmonics: 3,
             decimation: 1,

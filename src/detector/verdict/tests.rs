@@ -9,7 +9,7 @@ use crate::model::{
     Blocks, Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Label, Lags, Novelty,
     Projection, Sampling, ShaftConstants, TrackedOrder, Tracking,
 };
-use crate::plan::{Kind, Layout, RunTime, RunTimeSample, ShaftLayout, Signal};
+use crate::plan::{Kind, Layout, Load, RunTime, RunTimeSample, ShaftLayout, Signal};
 use crate::shaft::state::tests::balance;
 use crate::shaft::{OrderStrength, ShaftEstimate};
 
@@ -27,7 +27,7 @@ fn model_of(features: &[Feature]) -> Model<RunTime> {
     let [matrix, diagonal] = [unit(count, |_| 0), unit(count, |k| k)];
     let [current, velocity, load] = [0, 1, 2].map(Signal::channel);
     let orders = features.iter().filter(|feature| feature.order().is_some()).count() as u8;
-    let (velocity, load) = (Some(velocity), Some(load));
+    let (velocity, load) = (Some(velocity), Load::Measured(load));
     let shaft = ShaftLayout { current, velocity, load, orders, harmonics: 3, decimation: 1 };
     let layout = Layout {
         channels: 3,

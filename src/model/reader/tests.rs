@@ -6,7 +6,7 @@ use std::vec::Vec;
 use super::*;
 use crate::decide::{Background, Law};
 use crate::model::TERMS;
-use crate::plan::{MAX_HARMONICS, RunTime};
+use crate::plan::{Load, MAX_HARMONICS, RunTime};
 use crate::reason::FrictionTerm;
 use crate::shaft::StateVariable;
 use crate::signal::Label;
@@ -93,7 +93,7 @@ fn each_byte_of_a_layout_has_its_place() {
         shaft: Some(ShaftLayout {
             current: signal(2, Some(1)),
             velocity: Some(signal(1, None)),
-            load: None,
+            load: Load::Unknown,
             orders: 4,
             harmonics: 3,
             decimation: 2,
@@ -111,6 +111,22 @@ fn each_byte_of_a_layout_has_its_place() {
     assert_eq!((input.array(), input.finish()), ([0xAA; 3], Ok(())));
     let mut without = Input::new(&[2, 0, 0, 4, 0, 1, 0, 1, 0, 1, 2, 0]);
     assert_eq!(read_layout(&mut without).map(|layout| layout.regression), Ok(None));
+}
+
+#[test]
+fn a_weight_has_its_ratio_behind_the_load() {
+    let with = |minus: u8, ratio: &[u8]| [&LAYOUT[..22], &[minus], ratio, &LAYOUT[23..]].concat();
+    let load = |bytes: &[u8]| {
+        let mut input = Input::new(bytes);
+        let layout = read_layout(&mut input)?;
+        assert_eq!((input.array(), layout.classes), ([0xAA; 3], 3));
+        Ok(layout.shaft.unwrap().load)
+    };
+    assert_eq!(load(&with(0, &[4, 3, 2, 1])), Ok(Load::Weight { axis_q32: 0x0102_0304 }));
+    assert_eq!(load(&with(0xFF, &[])), Ok(Load::Unknown));
+    for minus in [1, 2, 0xFE] {
+        assert_eq!(load(&with(minus, &[])), Err(Fault::OutOfRange(Field::Layout)), "{minus}");
+    }
 }
 
 #[test]
@@ -181,7 +197,7 @@ fn small() -> RunTime {
         shaft: Some(ShaftLayout {
             current: signal,
             velocity: None,
-            load: None,
+            load: Load::Unknown,
             orders: 1,
             harmonics: 1,
             decimation: 1,

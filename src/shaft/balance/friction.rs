@@ -21,6 +21,24 @@ impl Parameter {
     pub(crate) const NONE: Self = Self { value: 0.0, deviation: 0.0, score: 0.0 };
 }
 
+/// The parameters of the load.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum LoadTerms {
+    /// The load is not known.
+    #[default]
+    Unknown,
+    /// The load is measured.
+    Measured {
+        /// 1/Kt, A/(N·m).
+        inverse_torque_constant: Parameter,
+        /// μ/Kt, friction in proportion to the load, A/(N·m).
+        load_friction: Parameter,
+    },
+    /// The load is a weight on an axis: its amplitude W (6), A, never negative. Its nominal value is 0.
+    Weight(Parameter),
+}
+
 /// The torque balance of a segment. All parameters are in amperes per unit of their signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -31,12 +49,10 @@ pub struct Friction {
     pub viscous: Parameter,
     /// Tc/Kt, A.
     pub coulomb: Parameter,
-    /// 1/Kt, A/(N·m); `None` if the load is not measured.
-    pub inverse_torque_constant: Option<Parameter>,
     /// Offset of current and load, A.
     pub offset: Parameter,
-    /// μ/Kt, friction in proportion to the load, A/(N·m); `None` if the load is not measured.
-    pub load_friction: Option<Parameter>,
+    /// What belongs to the load.
+    pub load: LoadTerms,
     /// (Ts − Tc)/Kt, the excess of break-away friction over sliding friction, A.
     pub stribeck: Parameter,
     /// Friction at the usual velocity and load (4), A.
@@ -50,10 +66,15 @@ pub struct Friction {
 impl Friction {
     /// The sum of all scores: a number if each is one.
     pub(crate) fn scores(&self) -> f32 {
-        let optional = self.inverse_torque_constant.map_or(0.0, |term| term.score)
-            + self.load_friction.map_or(0.0, |term| term.score);
+        let of_load = match self.load {
+            LoadTerms::Unknown => 0.0,
+            LoadTerms::Measured { inverse_torque_constant, load_friction } => {
+                inverse_torque_constant.score + load_friction.score
+            }
+            LoadTerms::Weight(amplitude) => amplitude.score,
+        };
         let always = [&self.inertia, &self.viscous, &self.coulomb, &self.offset, &self.stribeck, &self.drag];
-        always.iter().fold(optional, |sum, term| sum + term.score)
+        always.iter().fold(of_load, |sum, term| sum + term.score)
     }
 
     /// A parameter by its name; `None` for torque constant and load friction if the load is not measured.
@@ -64,24 +85,36 @@ impl Friction {
 
     #[inline(never)]
     pub(crate) const fn of(&self, term: FrictionTerm) -> Option<&Parameter> {
-        match term {
-            FrictionTerm::Inertia => Some(&self.inertia),
-            FrictionTerm::Viscous => Some(&self.viscous),
-            FrictionTerm::Coulomb => Some(&self.coulomb),
-            FrictionTerm::InverseTorqueConstant => self.inverse_torque_constant.as_ref(),
-            FrictionTerm::Offset => Some(&self.offset),
-            FrictionTerm::LoadFriction => self.load_friction.as_ref(),
-            FrictionTerm::Stribeck => Some(&self.stribeck),
-            FrictionTerm::Drag => Some(&self.drag),
+        match (term, &self.load) {
+            (FrictionTerm::Inertia, _) => Some(&self.inertia),
+            (FrictionTerm::Viscous, _) => Some(&self.viscous),
+            (FrictionTerm::Coulomb, _) => Some(&self.coulomb),
+            (FrictionTerm::InverseTorqueConstant, LoadTerms::Measured { inverse_torque_constant, .. }) => {
+                Some(inverse_torque_constant)
+            }
+            (FrictionTerm::LoadFriction, LoadTerms::Measured { load_friction, .. }) => Some(load_friction),
+            (FrictionTerm::InverseTorqueConstant | FrictionTerm::LoadFriction, _) => None,
+            (FrictionTerm::Offset, _) => Some(&self.offset),
+            (FrictionTerm::Stribeck, _) => Some(&self.stribeck),
+            (FrictionTerm::Drag, _) => Some(&self.drag),
         }
     }
 
     /// Torque constant Kt, N·m/A, with its standard deviation; `None` if the load is not measured.
     #[must_use]
     pub fn torque_constant_nm_a(&self) -> Option<(f32, f32)> {
-        let inverse = self.inverse_torque_constant?;
+        let inverse = self.of(FrictionTerm::InverseTorqueConstant)?;
         let value = 1.0 / inverse.value;
         Some((value, inverse.deviation * value * value))
+    }
+
+    /// The amplitude of the weight on an axis, A, with its standard deviation; `None` in other plans.
+    #[must_use]
+    pub const fn weight_a(&self) -> Option<(f32, f32)> {
+        match self.load {
+            LoadTerms::Weight(Parameter { value, deviation, .. }) => Some((value, deviation)),
+            LoadTerms::Unknown | LoadTerms::Measured { .. } => None,
+        }
     }
 
     /// Moment of inertia J, kg·m², by the estimated torque constant.

@@ -8,10 +8,10 @@ mod rows;
 mod solve;
 mod state_variable;
 
-pub use friction::{Friction, Parameter};
+pub use friction::{Friction, LoadTerms, Parameter};
 pub use rows::{LEAST_FROM_ROWS, TERMS, TorqueBalance, Torques};
 pub use state_variable::StateVariable;
 pub(super) use {
-    rows::{BalanceState, BalanceSums, Frictions},
+    rows::{BalanceState, BalanceSums, Regressors},
     solve::Estimated,
 };

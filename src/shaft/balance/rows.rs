@@ -8,10 +8,13 @@
 //! s = clamp(ω/ω_r, −1, 1)                                                                             (2)
 //! p₀ = J/Kt,  p₁ = B/Kt,  p₂ = Tc/Kt,  p₃ = 1/Kt,  p₄: offsets,  p₅ = μ/Kt,  p₆ = (Ts − Tc)/Kt        (3)
 //! p₇ = p₂ + p₁ ω₀ + p₅ T₀ + p₆/(1 + (ω₀/ω_s)²),   the drag at a usual velocity ω₀ and load T₀         (4)
+//! p₃ cos ψ + p₅ sin ψ  instead of  p₃ T + p₅ |T| s,   W = √(p₃² + p₅²)                                (6)
 //! ```
 //!
 //! p₅ is friction in proportion to the load (μ = 1/η − 1 of a screw of efficiency η), p₆ the Stribeck part of friction:
-//! the excess of break-away friction Ts over sliding friction Tc. All signals of (1) pass the same [`StateVariable`]
+//! the excess of break-away friction Ts over sliding friction Tc. A weight on an axis behind a gear or belt is a sine of
+//! the axis' angle ψ, which the motor knows but for where it started: (6) is the load of such a plan, of unknown
+//! amplitude W and phase. All signals of (1) pass the same [`StateVariable`]
 //! filter, which gives ω̇ without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of
 //! the *measured* velocity: under a fluctuating load the velocity reverses when the reference does not, and friction
 //! follows the velocity. The current is the output because the load is usually known better; therefore all parameters
@@ -111,12 +114,13 @@ pub struct Torques {
     pub load_nm: f32,
 }
 
-/// The terms of (1) that do not follow from another by a filter.
+/// The terms of (1) besides velocity and offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::shaft) struct Frictions {
+pub(in crate::shaft) struct Regressors {
     pub sign: f32,
-    pub load: f32,
     pub stribeck: f32,
+    /// T and |T| s, or those of (6).
+    pub load: [f32; 2],
 }
 
 impl TorqueBalance {
@@ -167,11 +171,13 @@ impl TorqueBalance {
         (value + score * deviation * (1.0 / part - 1.0), variance / part)
     }
 
+    /// The terms at an instant; `weight` are cosine and sine of (6) in a plan with a weight.
     #[inline(always)]
-    pub(in crate::shaft) fn frictions(&self, now: &Torques) -> Frictions {
+    pub(in crate::shaft) fn regressors(&self, now: &Torques, weight: Option<[f32; 2]>) -> Regressors {
         let sign = (now.velocity_rad_s / self.sign_velocity_rad_s).clamp(-1.0, 1.0); // (2)
         let ratio = now.velocity_rad_s / self.stribeck_velocity_rad_s;
-        Frictions { sign, load: now.load_nm.abs() * sign, stribeck: sign / (1.0 + ratio * ratio) }
+        let load = weight.unwrap_or([now.load_nm, now.load_nm.abs() * sign]);
+        Regressors { sign, stribeck: sign / (1.0 + ratio * ratio), load }
     }
 
     /// The terms that a plan estimates, in the order of the columns.
@@ -323,10 +329,9 @@ pub(in crate::shaft) const fn columns(load: bool) -> usize {
 pub struct BalanceState {
     current: Cell,
     velocity: Cell,
-    load: Cell,
     sign: Cell,
-    load_friction: Cell,
     stribeck: Cell,
+    load: [Cell; 2],
     /// Samples until the next row.
     due: u16,
     /// Pivots rotated in at each sample, and parameters of a back substitution.
@@ -339,6 +344,8 @@ pub struct BalanceState {
     scaled: [f32; TERMS],
     /// p₀ … p₆ that hold at present.
     present: [f32; TERMS],
+    /// Whether they are of this drive's own rows.
+    own: bool,
 }
 
 impl BalanceState {
@@ -347,50 +354,50 @@ impl BalanceState {
         Self {
             current: cell,
             velocity: cell,
-            load: cell,
             sign: cell,
-            load_friction: cell,
             stribeck: cell,
+            load: [cell; 2],
             due: 0,
             pivots: 8_u8.div_ceil(balance.row_interval.max(1)),
             refresh: ROWS_A_REFRESH,
             left: 0,
             scaled: [0.0; TERMS],
             present: balance.nominal,
+            own: false,
         }
     }
 
     /// The first sample, or the first after a long gap: all filters start at rest on it.
     #[cold]
     #[inline(never)]
-    pub(in crate::shaft) fn start(&mut self, balance: &TorqueBalance, now: &Torques) {
-        let Frictions { sign, load, stribeck } = balance.frictions(now);
+    pub(in crate::shaft) fn start(&mut self, balance: &TorqueBalance, now: &Torques, regressors: &Regressors) {
+        let Regressors { sign, stribeck, load } = *regressors;
         self.current = Cell::at(now.current_a);
         self.velocity = Cell::at(now.velocity_rad_s);
-        self.load = Cell::at(now.load_nm);
         self.sign = Cell::at(sign);
-        self.load_friction = Cell::at(load);
         self.stribeck = Cell::at(stribeck);
+        self.load = load.map(Cell::at);
         self.due = balance.settle.saturating_add(1);
     }
 
-    /// Takes the next sample with its friction terms; a sample that is not `good` gives no row.
+    /// Takes the next sample with its terms; a sample that is not `good` gives no row.
     #[inline(always)]
     pub(in crate::shaft) fn step(
         &mut self,
         sums: &mut BalanceSums,
         (balance, load): (&TorqueBalance, bool),
         now: &Torques,
-        frictions: &Frictions,
+        regressors: &Regressors,
         good: bool,
     ) {
         let bank = &balance.filter;
         let (i, _) = self.current.step(bank, now.current_a);
         let (w, slope) = self.velocity.step(bank, now.velocity_rad_s);
-        let (s, _) = self.sign.step(bank, frictions.sign);
-        let (b, _) = self.stribeck.step(bank, frictions.stribeck);
+        let (s, _) = self.sign.step(bank, regressors.sign);
+        let (b, _) = self.stribeck.step(bank, regressors.stribeck);
         let (t, q) = if load {
-            (self.load.step(bank, now.load_nm).0, self.load_friction.step(bank, frictions.load).0)
+            let ([first, second], [t, q]) = (&mut self.load, regressors.load);
+            (first.step(bank, t).0, second.step(bank, q).0)
         } else {
             (0.0, 0.0)
         };
@@ -442,6 +449,7 @@ impl BalanceState {
         }
         self.left = k;
         if k == 0 {
+            self.own = true;
             let target = balance.scale_of(TERMS);
             for (&term, scaled) in pairs(no_unroll(terms), &self.scaled) {
                 if let Some(cell) = self.present.get_mut(term) {
@@ -457,6 +465,12 @@ impl BalanceState {
         &self.present
     }
 
+    /// Whether they are of rows and not nominal: the nominal ones do not know the phase of (6).
+    #[inline(always)]
+    pub(in crate::shaft) const fn is_own(&self) -> bool {
+        self.own
+    }
+
     #[inline(always)]
     pub(in crate::shaft) const fn next_segment(&mut self) {
         (self.left, self.refresh) = (0, ROWS_A_REFRESH);
@@ -465,6 +479,6 @@ impl BalanceState {
     /// Lets a new segment start afresh, with the nominal parameters.
     #[inline(always)]
     pub(in crate::shaft) const fn renew(&mut self, balance: &TorqueBalance) {
-        (self.due, self.present) = (0, balance.nominal);
+        (self.due, self.present, self.own) = (0, balance.nominal, false);
     }
 }

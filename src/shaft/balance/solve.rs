@@ -3,8 +3,9 @@
 //! What is left of the last row is rotated in, then the parameters are solved. The equations are those of
 //! [`super::balance`].
 
-use super::friction::{Friction, Parameter};
+use super::friction::{Friction, LoadTerms, Parameter};
 use super::rows::{BalanceSums, TERMS, TorqueBalance, columns};
+use crate::plan::Load;
 use crate::reason::{FrictionTerm, Part, Reason};
 use crate::regression::factor::kernels::pairs;
 use crate::regression::factor::{EffectiveRows, Problem, Solution, SolveError, Solved, lower};
@@ -101,17 +102,21 @@ impl Estimated {
     pub(in crate::shaft) fn friction(
         &self,
         balance: &TorqueBalance,
-        load: bool,
+        known: Load,
         rows: u32,
     ) -> Result<Friction, Reason> {
+        let load = known.has_terms();
         let at = |k: usize| self.parameter(balance, load, k);
         let friction = Friction {
             inertia: at(0),
             viscous: at(1),
             coulomb: at(2),
-            inverse_torque_constant: load.then(|| at(3)),
             offset: at(if load { 4 } else { 3 }),
-            load_friction: load.then(|| at(5)),
+            load: match known {
+                Load::Unknown => LoadTerms::Unknown,
+                Load::Measured(_) => LoadTerms::Measured { inverse_torque_constant: at(3), load_friction: at(5) },
+                Load::Weight { .. } => LoadTerms::Weight(self.weight()),
+            },
             stribeck: at(if load { 6 } else { 4 }),
             drag: self.drag(balance, load),
             variance: self.variance,
@@ -120,7 +125,7 @@ impl Estimated {
         if friction.scores().is_finite() { Ok(friction) } else { Err(Reason::NotFinite(Part::TorqueBalance)) }
     }
 
-    /// Whether the rows fit the negated nominal parameters far better than the nominal ones, in a plan without a load:
+    /// Whether the rows fit the negated nominal parameters far better than the nominal ones, where no load is measured:
     /// a signal has the opposite sign, also where a tight prior keeps the estimates near the nominal values.
     ///
     /// ```text
@@ -131,8 +136,8 @@ impl Estimated {
     /// J is the sum of squares of residual and prior, C the covariance, m the rows per independent row, and 25 five
     /// standard deviations of a likelihood ratio.
     #[inline(never)]
-    pub(in crate::shaft) fn is_opposed(&self, balance: &TorqueBalance, rows: u32) -> bool {
-        let terms = TorqueBalance::terms(false);
+    pub(in crate::shaft) fn is_opposed(&self, balance: &TorqueBalance, load: bool, rows: u32) -> bool {
+        let terms = TorqueBalance::terms(load);
         let pull = |k: usize| {
             let term = terms.get(k).copied().unwrap_or(0);
             let of = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
@@ -159,6 +164,16 @@ impl Estimated {
         let nominal = balance.nominal.get(term).copied().unwrap_or(1.0);
         let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
         parameter(self.delta.get(k).copied().unwrap_or(0.0), variance, nominal)
+    }
+
+    /// The amplitude W of (6), with its deviation by the covariance of its two parameters.
+    #[inline(never)]
+    fn weight(&self) -> Parameter {
+        let [.., p3, _, p5, _] = self.delta;
+        let of = |row: usize, column: usize| self.covariance.get(lower(row, column)).copied().unwrap_or(0.0);
+        let amplitude = libm::sqrtf(p3 * p3 + p5 * p5).max(f32::MIN_POSITIVE);
+        let (c, s) = (p3 / amplitude, p5 / amplitude);
+        parameter(amplitude, c * c * of(3, 3) + 2.0 * c * s * of(5, 3) + s * s * of(5, 5), 0.0)
     }
 
     /// The drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
@@ -202,13 +217,18 @@ fn reason(error: SolveError, load: bool, rows: u32) -> Reason {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::Signal;
     use crate::shaft::balance::{BalanceState, StateVariable, Torques};
+
+    fn known(load: bool) -> Load {
+        if load { Load::Measured(Signal::channel(0)) } else { Load::Unknown }
+    }
 
     fn solve(balance: &TorqueBalance, load: bool, sums: &mut BalanceSums) -> Result<Friction, Reason> {
         let mut estimated = Estimated::NONE;
         estimated.solve(balance, load, sums)?;
         estimated.correlate(balance, load, sums);
-        estimated.friction(balance, load, sums.rows)
+        estimated.friction(balance, known(load), sums.rows)
     }
 
     /// p₀ … p₄ of the healthy shaft.
@@ -248,9 +268,9 @@ mod tests {
             let current = p0 * dw + p1 * w + p2 * sign + p3 * torque + p4;
             let now = Torques { current_a: current as f32, velocity_rad_s: w as f32, load_nm: torque as f32 };
             if k == 0 {
-                state.start(&balance, &now);
+                state.start(&balance, &now, &balance.regressors(&now, None));
             } else {
-                state.step(&mut sums, (&balance, load), &now, &balance.frictions(&now), true);
+                state.step(&mut sums, (&balance, load), &now, &balance.regressors(&now, None), true);
             }
         }
         solve(&balance, load, &mut sums)
@@ -280,7 +300,7 @@ mod tests {
             (friction.offset.value - 0.02).abs() < 1e-3 && (friction.drag.value - 0.21).abs() < 1e-3,
             "{friction:?}"
         );
-        assert_eq!((friction.inverse_torque_constant, friction.torque_constant_nm_a()), (None, None));
+        assert_eq!((friction.load, friction.torque_constant_nm_a()), (LoadTerms::Unknown, None));
     }
 
     #[test]
@@ -369,9 +389,9 @@ mod tests {
         let mut estimated = Estimated::NONE;
         estimated.delta[1] = 1e38;
         estimated.covariance[lower(1, 1)] = 1e38;
-        assert_eq!(estimated.friction(&balance(8), true, 100), Err(Reason::NotFinite(Part::TorqueBalance)));
+        assert_eq!(estimated.friction(&balance(8), known(true), 100), Err(Reason::NotFinite(Part::TorqueBalance)));
         estimated.delta[1] = 1.0;
-        assert!(estimated.friction(&balance(8), true, 100).is_ok());
+        assert!(estimated.friction(&balance(8), known(true), 100).is_ok());
     }
 
     #[test]

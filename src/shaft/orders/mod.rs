@@ -27,6 +27,7 @@ pub(crate) use blocks::{MAX_BLOCKS, least_steps};
 pub use slip::OrderStrength;
 pub(super) use {
     noise::NoiseLine,
+    phasor::phasor,
     residual::{Residual, ResidualState},
     slip::{Search, SlipRange},
     tracking::{OrderSums, OrderTracking, Taken},

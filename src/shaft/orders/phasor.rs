@@ -1,4 +1,4 @@
-//! A fraction of a turn → its cosine and sine by table, for the phasors of the bearing orders.
+//! A fraction of a turn → its cosine and sine by table, for the phasors of the bearing orders and of an axis.
 
 use core::f32::consts::PI;
 
@@ -35,7 +35,7 @@ const fn sine() -> [f32; POINTS + POINTS / 4] {
 /// sin(a + t) ≈ (1 − t²/2) sin a + t cos a,   cos(a + t) ≈ (1 − t²/2) cos a − t sin a,   |t³/6| ≤ 2.0e-5
 /// ```
 #[inline(always)]
-pub(super) fn phasor(bits: u32) -> (f32, f32) {
+pub(in crate::shaft) fn phasor(bits: u32) -> (f32, f32) {
     let index = (bits.wrapping_add(0x0200_0000) >> 26) as usize;
     let entry = |index: usize| SINE.get(index).copied().unwrap_or(0.0);
     let (sin, cos) = (entry(index), entry(index.wrapping_add(POINTS / 4)));

@@ -21,7 +21,7 @@
 //! noise; with ω(k) alone (2) would have a mean.
 
 use super::blocks::Blocks;
-use crate::shaft::balance::{Frictions, TERMS, TorqueBalance, Torques};
+use crate::shaft::balance::{Regressors, TERMS, TorqueBalance, Torques};
 
 /// The filter (3) and (4).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,13 +77,14 @@ impl ResidualState {
         blocks: &Blocks,
         p: &[f32; TERMS],
         now: &Torques,
-        frictions: &Frictions,
+        regressors: &Regressors,
         good: bool,
     ) -> Residual {
         let [p0, p1, p2, p3, p4, p5, p6] = *p;
-        let Torques { current_a, velocity_rad_s: w, load_nm } = *now;
-        let friction = p1 * w + p2 * frictions.sign + p5 * frictions.load + p6 * frictions.stribeck;
-        let e = current_a - friction - p3 * load_nm - p4; // (1)
+        let Torques { current_a, velocity_rad_s: w, .. } = *now;
+        let Regressors { sign, stribeck, load: [t, q] } = *regressors;
+        let friction = p1 * w + p2 * sign + p5 * q + p6 * stribeck;
+        let e = current_a - friction - p3 * t - p4; // (1)
         let (e_1, w_1) = core::mem::replace(&mut self.last, (e, w));
         let mean = 0.5 * (w + w_1);
         let q = (mean.abs() / blocks.slowest_rad_s - 1.0).clamp(0.0, 1.0);

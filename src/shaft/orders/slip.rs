@@ -71,9 +71,11 @@ pub struct OrderStrength {
     /// Amplitude of the smallest defect that this segment shows, of the noise of the score, in units of the residual;
     /// infinite if it shows none.
     pub smallest: f32,
-    /// The same over the deviation of the noise: how much the shaft has turned, without the noise.
+    /// The same over the deviation of the noise between the orders: how much the shaft has turned. A strong defect does
+    /// not raise it.
     pub smallest_relative: f32,
-    /// Whether the shaft has turned too little for a result ([`TrackedOrder::most_relative`]).
+    /// Whether the shaft has turned too little for a result ([`TrackedOrder::most_relative`]), and the order does not
+    /// stand out: a strong defect also disturbs what is known of the noise.
     pub unseen: bool,
 }
 
@@ -110,6 +112,8 @@ pub(in crate::shaft) struct Search {
     slopes: f32,
     /// g of [`super::sight`]: the prominence that a first harmonic of the size of the noise adds.
     gain: f32,
+    /// The same with the noise of the control orders, which does not contain what is at the order itself.
+    of_motion: f32,
     /// The largest P, its slip, and −P″ (6) a squared step.
     best: f32,
     slip: f32,
@@ -127,8 +131,9 @@ impl Search {
         let (shift, curvature, best) = peak.vertex();
         let slip = (f32::from(peak.at) + shift) * range.slip / f32::from(SIDE);
         let [w1, w2, w3] = order.weights;
-        let gain = sight::IN_PHASE * of_pairs.coherent * variance * power.harmonics / (w1 + w2 + w3);
-        Self { pairs: of_pairs, variance, uncertain, slopes: power.slopes, gain, best, slip, curvature }
+        let of_one = sight::IN_PHASE * of_pairs.coherent * variance / (w1 + w2 + w3);
+        let [gain, of_motion] = power.harmonics.map(|sum| of_one * sum);
+        Self { pairs: of_pairs, variance, uncertain, slopes: power.slopes, gain, of_motion, best, slip, curvature }
     }
 
     /// What the largest P says.
@@ -144,14 +149,16 @@ impl Search {
         let step = range.slip / f32::from(SIDE);
         let slip_deviation = slope_deviation * step * step / self.curvature; // (6)
         let law = self.law(sums, order, range);
-        let smallest_relative = law.smallest(order.needed_score, self.gain);
+        let smallest_relative = law.smallest(order.needed_score, self.of_motion);
+        let score = law.score(prominence);
+        // Written so that a value that is not a number shows nothing.
+        let shows = smallest_relative <= order.most_relative;
         OrderStrength {
             prominence,
-            score: law.score(prominence),
-            smallest: smallest_relative * libm::sqrtf(self.variance),
+            score,
+            smallest: smallest_relative * libm::sqrtf(self.variance * self.of_motion / self.gain),
             smallest_relative,
-            // A value that is not a number shows nothing.
-            unseen: smallest_relative > order.most_relative || smallest_relative.is_nan(),
+            unseen: !shows && score < order.needed_score,
             amplitude: 2.0 * libm::sqrtf(power), // (8)
             deviation: 2.0 * libm::sqrtf(self.variance / total),
             slip: self.slip,
@@ -239,15 +246,15 @@ struct Power {
     constant: f32,
     /// The first sum of (7).
     slopes: f32,
-    /// `Σ w q W(h)/(σ_h² W(1)²)`, of the powers of a defect's harmonics.
-    harmonics: f32,
+    /// `Σ w q W(h)/(σ_h² W(1)²)`, of the powers of a defect's harmonics; the same with `σ_c²`.
+    harmonics: [f32; 2],
 }
 
 impl Power {
     /// Of all harmonics, with noise of this variance at the order.
     #[inline(never)]
     fn of(sums: &LineSums, of_pairs: &Pairs, order: &TrackedOrder, noise: &NoiseLine, variance: f32) -> Self {
-        let mut power = Self { terms: [[0.0; 2]; COMBINED], constant: 0.0, slopes: 0.0, harmonics: 0.0 };
+        let mut power = Self { terms: [[0.0; 2]; COMBINED], constant: 0.0, slopes: 0.0, harmonics: [0.0; 2] };
         for (h, weight) in pairs(0..usize::MAX, &order.weights) {
             power.add(sums, of_pairs, h, *weight, variance * noise.ratio(h));
         }
@@ -285,7 +292,10 @@ impl Power {
         // V of a harmonic is that of the first one by the ratio of their weights.
         let [first, ..] = sums.weight;
         let part = total / first;
-        self.harmonics += scale * part * part * sight::POWERS.get(h).copied().unwrap_or(0.0);
+        let power = part * part * sight::POWERS.get(h).copied().unwrap_or(0.0);
+        let [all, of_motion] = &mut self.harmonics;
+        *all += scale * power;
+        *of_motion += weight / unit * power;
         let mut terms = self.terms.get_mut(h..).unwrap_or_default();
         for (d, [x, y]) in (1_u8..).zip(lags) {
             let twice = 2.0 * scale * taper(f32::from(d));

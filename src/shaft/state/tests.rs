@@ -1,13 +1,19 @@
 use super::*;
-use crate::plan::{Layout, Plan as _, RunTime, RunTimeSample, ShaftLayout, Signal};
+use crate::plan::{Layout, Load, Plan as _, RunTime, RunTimeSample, ShaftLayout, Signal};
 use crate::shaft::{Blocks, ShaftSolve, StateVariable, TrackedOrder};
 use std::vec;
 
 /// Current, velocity, load.
 fn plan(decimation: u8) -> RunTime {
     let [current, velocity, load] = [0, 1, 2].map(Signal::channel);
-    let shaft =
-        ShaftLayout { current, velocity: Some(velocity), load: Some(load), orders: 0, harmonics: 1, decimation };
+    let shaft = ShaftLayout {
+        current,
+        velocity: Some(velocity),
+        load: Load::Measured(load),
+        orders: 0,
+        harmonics: 1,
+        decimation,
+    };
     let layout = Layout { channels: 3, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     RunTime::of(layout).unwrap()
 }

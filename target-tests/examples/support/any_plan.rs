@@ -6,7 +6,7 @@ use bearing_watch::model::{
     ShaftConstants, TorqueBalance, TrackedOrder, Tracking,
 };
 use bearing_watch::plan::{
-    Bounds, Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
+    Bounds, Cells, Kind, Layout, Load, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
 };
 use bearing_watch::{FrictionTerm, Model};
 
@@ -77,7 +77,11 @@ fn layout(dice: &mut Dice) -> Layout {
     let shaft = (parts < 5).then(|| ShaftLayout {
         current,
         velocity: (dice.below(3) > 0).then_some(velocity),
-        load: (dice.below(3) > 0).then_some(load),
+        load: match dice.below(4) {
+            0 => Load::Unknown,
+            1 => Load::Weight { axis_q32: dice.roll() },
+            _ => Load::Measured(load),
+        },
         orders: below(dice, 5),
         harmonics: 1 + below(dice, 3),
         decimation: 1 + below(dice, 2),

@@ -4,7 +4,7 @@ use bearing_watch::model::{
     Blocks, Channel, Constants, EvidenceConstants, Feature, Lags, Regression, Sampling, ShaftConstants, StateVariable,
     TERMS, TorqueBalance, TrackedOrder, Tracking, q16,
 };
-use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout};
+use bearing_watch::plan::{Kind, Layout, Load, Memory, Method, RegressionLayout, ShaftLayout};
 use bearing_watch::{Angle, FrictionTerm, Model};
 
 use super::classifier::classifier;
@@ -31,7 +31,7 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: Some(load_nm),
+            load: Load::Measured(load_nm),
             orders: 4,
             harmonics: 3,
             decimation: 2,
@@ -56,7 +56,7 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: Some(load_nm),
+            load: Load::Measured(load_nm),
             orders: 2,
             harmonics: 3,
             decimation: 2,
@@ -81,7 +81,32 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: None,
+            load: Load::Unknown,
+            orders: 1,
+            harmonics: 1,
+            decimation: 1,
+        }),
+        features: 9,
+        coordinates: 3,
+        rising: 1,
+        classes: 3,
+        discriminant: Kind::Quadratic,
+        ..Layout::EMPTY
+    }
+}
+
+bearing_watch::plan! {
+    /// The same with a weight on an axis, of one turn in 50 of the motor.
+    pub struct Weighing;
+    /// One sample of the drive.
+    pub struct WeighingSample with angle {
+        current_a: "A", velocity_rad_s: "rad/s",
+    }
+    layout: Layout {
+        shaft: Some(ShaftLayout {
+            current: current_a,
+            velocity: Some(velocity_rad_s),
+            load: Load::Weight { axis_q32: 85_899_346 },
             orders: 1,
             harmonics: 1,
             decimation: 1,
@@ -252,6 +277,18 @@ pub static LOADLESS: Model<Loadless> = shaft_alone!(
     Feature::LogOrderAmplitude(0)
 );
 
+/// The model of a drive that moves a weight.
+pub static WEIGHING: Model<Weighing> = shaft_alone!(
+    Weighing,
+    [CURRENT, VELOCITY],
+    ShaftConstants {
+        lags: Lags { current: 0.0, velocity: 0.0, load: 0.0 },
+        balance: TorqueBalance { adapt_after_rows: 8, ..BALANCE },
+        tracking: Tracking { orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0])], blocks: BLOCKS },
+    },
+    Feature::LogOrderAmplitude(0)
+);
+
 /// The motion at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
@@ -277,6 +314,14 @@ impl From<Motion> for ChosenSample {
 }
 
 impl From<Motion> for LoadlessSample {
+    fn from(motion: Motion) -> Self {
+        let Motion { current_a, velocity_rad_s, load_nm, angle, .. } = motion;
+        let [_, _, _, load, ..] = NOMINAL;
+        Self { current_a: current_a - load * load_nm, velocity_rad_s, angle }
+    }
+}
+
+impl From<Motion> for WeighingSample {
     fn from(motion: Motion) -> Self {
         let Motion { current_a, velocity_rad_s, load_nm, angle, .. } = motion;
         let [_, _, _, load, ..] = NOMINAL;

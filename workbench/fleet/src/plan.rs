@@ -14,7 +14,7 @@ use model::core::features::Catalogue;
 use model::core::{Embedded, Parts};
 use model::identify::Structure;
 use model::trace::{Channels, Preparation};
-use model::train::{Estimating, Estimation, Recipe, ShaftPlan, VelocitySource};
+use model::train::{Axis, Estimating, Estimation, Recipe, ShaftPlan, VelocitySource};
 
 /// Version of the format of plans and parts.
 pub const VERSION: u32 = 1;
@@ -203,7 +203,7 @@ impl Plan {
     pub fn recipe(&self) -> Recipe {
         let shaft = self.channels.shaft.is_some().then(|| {
             let velocity = if self.velocity_from_angle { VelocitySource::Angle } else { VelocitySource::Channel };
-            ShaftPlan { velocity, load: self.load, ..ShaftPlan::new(self.orders.clone()) }
+            ShaftPlan { velocity, load: self.load, axis: self.axis(), ..ShaftPlan::new(self.orders.clone()) }
         });
         let method = self.model().ok().and_then(|model| model.plan().layout().regression).map(|own| own.method);
         let estimation = Estimation {
@@ -215,6 +215,12 @@ impl Plan {
         };
         let park = self.park.as_ref().map(|park| if park == "standard" { Park::Standard } else { Park::Thesis });
         Recipe { columns: self.channels.clone(), park, estimation, shaft, ..Recipe::new(self.structure()) }
+    }
+
+    /// What its detector has of an axis.
+    fn axis(&self) -> Axis {
+        let layout = self.model().ok().and_then(|model| model.plan().layout().shaft);
+        layout.map_or(Axis::None, |own| Axis::of(own.load))
     }
 
     /// Returns the structure of the regression.

@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{Channel, Constants, Feature, Field, Regression, Sampling};
 use bearing_watch::plan::{
-    Cells, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Structure,
+    Cells, Layout, Load, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Structure,
 };
 use bearing_watch::{Detector, FrictionTerm, Implausible, Model, ModelError, Monitor, Part, Reason, Report, Verdict};
 use host_tests::halves::{Interrupt, conclude};
@@ -28,7 +28,7 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: None,
+            load: Load::Unknown,
             orders: 3,
             harmonics: 3,
             decimation: 1,

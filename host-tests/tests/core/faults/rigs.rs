@@ -5,7 +5,7 @@ use bearing_watch::drive::{
     TrackingConstants,
 };
 use bearing_watch::model::{Feature, Lags, TorqueBalance};
-use bearing_watch::plan::{Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
+use bearing_watch::plan::{Layout, Load, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::shaft::Friction;
 use bearing_watch::{Angle, Detector, FrictionTerm, Model, Reason, Verdict};
 use host_tests::plans::constants;
@@ -166,7 +166,7 @@ where
 pub fn model(balance: TorqueBalance, lags: Lags, load: bool, segment: u32) -> Model<RunTime> {
     let signal = Signal::channel;
     let watched = ShaftLayout {
-        load: load.then(|| signal(2)),
+        load: Load::of(load.then(|| signal(2))),
         velocity: Some(signal(1)),
         ..dc_motor::model(lags, true, 5000).plan().layout().shaft.expect("a shaft")
     };

@@ -143,10 +143,7 @@ fn gains_and_loads_that_are_wrong_by_a_fifth_are_named() {
                 };
                 let scaled: Vec<Clean> = samples.iter().map(scale).collect();
                 let (verdict, friction, _) = judge(&model, &scaled);
-                println!(
-                    "{}, {kind:?}, {current} {load}: {verdict:?} {:?}",
-                    drive.name, friction.inverse_torque_constant
-                );
+                println!("{}, {kind:?}, {current} {load}: {verdict:?} {:?}", drive.name, friction.load);
                 let named = verdict == Verdict::Undetermined(Reason::Implausible(Implausible::TorqueConstant));
                 assert!(named, "{}, {kind:?}, {current} {load}: {verdict:?}", drive.name);
             }

@@ -99,17 +99,17 @@ fn truncation_extension_other_versions_and_other_files_are_told_apart() {
 
 #[test]
 fn models_of_other_versions_say_what_is_to_be_renewed() {
-    for version in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12] {
+    for version in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 13] {
         let mut bytes = FILE.to_vec();
         bytes[4] = version;
         let end = bytes.len() - 4;
         let check = crc(&bytes[..end]).to_le_bytes();
         bytes[end..].copy_from_slice(&check);
-        let error = ModelError::Version { given: version.into(), supported: 11 };
+        let error = ModelError::Version { given: version.into(), supported: 12 };
         assert_eq!(read(&bytes), Err(error));
         assert_eq!((Model::<RunTime>::from_sector(&bytes).err(), stored_len(&bytes)), (Some(error), Err(error)));
         let text = error.to_string();
-        let cure = if version > 11 { "newer format version 12" } else { "train the model again" };
+        let cure = if version > 12 { "newer format version 13" } else { "train the model again" };
         assert!(text.contains(&format!("version {version};")) && text.contains(cure), "{text}");
     }
 }

@@ -3,7 +3,7 @@
 use bearing_watch::model::{Feature, Lags, ShaftConstants};
 use bearing_watch::plan::Structure;
 use bearing_watch::plan::{
-    Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Signals,
+    Cells, Kind, Layout, Load, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Signals,
 };
 use bearing_watch::{Detector, FrictionTerm, Model, ModelError, Report};
 use host_tests::plans::constants;
@@ -181,7 +181,7 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: Some(load_nm),
+            load: Load::Measured(load_nm),
             orders: 3,
             harmonics: 3,
             decimation: 1,
@@ -202,7 +202,7 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: None,
+            load: Load::Unknown,
             orders: 0,
             harmonics: 1,
             decimation: 1,
@@ -219,7 +219,7 @@ bearing_watch::plan! {
     struct Resolver;
     struct ResolverSample with angle { current_a: "A" }
     layout: Layout {
-        shaft: Some(ShaftLayout { current: current_a, velocity: None, load: None, orders: 0, harmonics: 1, decimation: 1 }),
+        shaft: Some(ShaftLayout { current: current_a, velocity: None, load: Load::Unknown, orders: 0, harmonics: 1, decimation: 1 }),
         features: 2,
         coordinates: 1,
         classes: 1,

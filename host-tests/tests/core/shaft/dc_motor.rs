@@ -3,8 +3,8 @@
 use bearing_watch::model::{
     Blocks, Feature, Lags, ShaftConstants, StateVariable, TERMS, TorqueBalance, TrackedOrder, Tracking, q16,
 };
-use bearing_watch::plan::{Array, Cells, Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
-use bearing_watch::shaft::{Friction, Parameter};
+use bearing_watch::plan::{Array, Cells, Layout, Load, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
+use bearing_watch::shaft::{Friction, LoadTerms, Parameter};
 use bearing_watch::{Angle, Detector, FrictionTerm, Model, Report};
 use host_tests::plans::constants;
 use rig::{BearingGeometry, Defect, DefectKind, RigTrace, Scenario, simulate};
@@ -103,7 +103,7 @@ pub fn model_of_angle(lags: Lags, segment_samples: u32) -> Model<RunTime> {
 fn of_signals(signals: [Option<Signal>; 3], limits: &[f32], lags: Lags, segment_samples: u32) -> Model<RunTime> {
     let [current, velocity, load] = signals;
     let current = current.expect("a current");
-    let watched = ShaftLayout { current, velocity, load, orders: 3, harmonics: 3, decimation: 1 };
+    let watched = ShaftLayout { current, velocity, load: Load::of(load), orders: 3, harmonics: 3, decimation: 1 };
     let channels = limits.len() as u8;
     let layout = Layout { channels, shaft: Some(watched), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     let plan = RunTime::of(layout).expect("a plan");
@@ -166,7 +166,11 @@ pub fn run(model: &Model<RunTime>, motions: &[Motion]) -> Report<RunTime> {
     detector.finish()
 }
 
-/// The parameters that the plan estimates, p₀ … p₇.
+/// The parameters that the plan estimates, p₀ … p₇, and the amplitude of a weight.
 pub fn parameters(friction: &Friction) -> Vec<Parameter> {
-    FrictionTerm::ALL.into_iter().filter_map(|term| friction.parameter(term)).collect()
+    let weight = match friction.load {
+        LoadTerms::Weight(weight) => Some(weight),
+        LoadTerms::Unknown | LoadTerms::Measured { .. } => None,
+    };
+    FrictionTerm::ALL.into_iter().filter_map(|term| friction.parameter(term)).chain(weight).collect()
 }

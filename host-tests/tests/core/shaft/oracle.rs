@@ -2,7 +2,7 @@
 //! parameters over time from the equations of all rows so far.
 
 use bearing_watch::model::{Lags, ShaftConstants, TERMS, TorqueBalance};
-use bearing_watch::plan::RunTime;
+use bearing_watch::plan::{Load, RunTime};
 use nalgebra::{DMatrix, DVector};
 
 use super::orders::{Expected as Order, Path, expected as expected_orders};
@@ -11,7 +11,8 @@ use crate::shaft::dc_motor::Motion;
 /// What the core's [`bearing_watch::shaft::ShaftEstimate`] should say.
 #[derive(Debug)]
 pub struct Expected {
-    /// Values and deviations of p₀ … p₆ without those of a load that is not measured, then of the drag.
+    /// Values and deviations of p₀ … p₆ without those of a load that is not measured, then of the drag, then of the
+    /// amplitude of a weight.
     pub parameters: Vec<(f64, f64)>,
     /// Those of p₀ … p₆, each without its own prior.
     pub of_rows: Vec<(f64, f64)>,
@@ -20,8 +21,20 @@ pub struct Expected {
     pub orders: Vec<Order>,
 }
 
+impl Expected {
+    /// Parameters and those of rows without the two of a weight, whose phase is any.
+    pub fn without_phase(&self) -> [Vec<(f64, f64)>; 2] {
+        [&self.parameters, &self.of_rows].map(|all| {
+            let kept = all.iter().enumerate().filter(|(k, _)| ![3, 5].contains(k));
+            kept.map(|(_, own)| *own).collect()
+        })
+    }
+}
+
 /// The step from which the filters run: the core's delay line is full.
 const START: usize = 8;
+/// Counts of a turn.
+const TURN: f64 = 4_294_967_296.0;
 /// Rows between two refreshments of the parameters.
 const REFRESH: usize = 16;
 
@@ -66,6 +79,17 @@ fn delayed(x: &[f64], by: f64, decimation: usize) -> Vec<f64> {
 /// The maximally flat half-band filter of seven coefficients.
 const HALF_BAND: [f64; 7] = [-1.0 / 32.0, 0.0, 9.0 / 32.0, 0.5, 9.0 / 32.0, 0.0, -1.0 / 32.0];
 
+/// The angle in the middle of the last interval, by so many samples late; the half-band filter is three samples late.
+fn angles(late: f64, motions: &[Motion], decimation: usize) -> Vec<u32> {
+    let late = late as f32 + if decimation == 1 { 0.5 } else { 4.0 };
+    let (whole, part) = (late.floor() as usize, late.fract());
+    let at = |k: usize| {
+        let (newer, older) = (motions[k - whole].angle, motions[k - whole - 1].angle);
+        newer.bits().wrapping_add_signed((part * older.since(newer) as f32) as i32)
+    };
+    samples(motions.len(), decimation).map(at).collect()
+}
+
 /// Signals at each step from [`START`] on, all delayed to the slowest one, and the friction terms.
 struct Signals {
     i: Vec<f64>,
@@ -73,10 +97,14 @@ struct Signals {
     t: Vec<f64>,
     /// s, |T| s, s/(1 + (ω/ω_s)²).
     frictions: [Vec<f64>; 3],
+    /// Of the shaft, to the bit as in the core, since a block ends where it passes the end of a cell.
+    angle: Vec<u32>,
+    /// Whether t and |T| s are cosine and sine of the angle of an axis, whose phase is only known of its rows.
+    weighs: bool,
 }
 
 impl Signals {
-    fn new(balance: &TorqueBalance, lags: Lags, motions: &[Motion], decimation: usize) -> Self {
+    fn new(balance: &TorqueBalance, lags: Lags, motions: &[Motion], (load, decimation): (Load, usize)) -> Self {
         let longest = lags.current.max(lags.velocity).max(lags.load);
         let later = |pick: fn(&Motion) -> f32, lag: f32| {
             let column: Vec<f64> = motions.iter().map(|m| f64::from(pick(m))).collect();
@@ -84,12 +112,24 @@ impl Signals {
         };
         let (i, w) = (later(|m| m.current_a, lags.current), later(|m| m.velocity_rad_s, lags.velocity));
         let t = later(|m| m.load_nm, lags.load);
+        let angle = angles(f64::from(longest), motions, decimation);
         let sign = |w: &f64| (w / f64::from(balance.sign_velocity_rad_s)).clamp(-1.0, 1.0);
         let s: Vec<f64> = w.iter().map(sign).collect();
         let loaded = t.iter().zip(&s).map(|(t, s)| t.abs() * s).collect();
         let square = |w: f64| (w / f64::from(balance.stribeck_velocity_rad_s)).powi(2);
         let stribeck = w.iter().zip(&s).map(|(w, s)| s / (1.0 + square(*w))).collect();
-        Self { i, w, t, frictions: [s, loaded, stribeck] }
+        let plain = Self { i, w, t, frictions: [s, loaded, stribeck], angle, weighs: false };
+        let Load::Weight { axis_q32 } = load else { return plain };
+        let ratio = f64::from(axis_q32) / TURN;
+        let mut turns = 0.0;
+        let axis = plain.angle.iter().scan(plain.angle[0], |last, angle| {
+            turns += f64::from(angle.wrapping_sub(*last).cast_signed()) / TURN;
+            *last = *angle;
+            Some(std::f64::consts::TAU * turns * ratio)
+        });
+        let (cos, sin): (Vec<f64>, Vec<f64>) = axis.map(|angle| (angle.cos(), angle.sin())).unzip();
+        let [s, _, stribeck] = plain.frictions;
+        Self { t: cos, frictions: [s, sin, stribeck], weighs: true, ..plain }
     }
 }
 
@@ -147,11 +187,12 @@ impl Squares {
 /// A stream without refused samples.
 pub fn expected(
     constants: &ShaftConstants<RunTime>,
-    (load, decimation): (bool, usize),
+    (known, decimation): (Load, usize),
     motions: &[Motion],
 ) -> Expected {
     let ShaftConstants { lags, balance, tracking } = constants;
-    let signals = Signals::new(balance, *lags, motions, decimation);
+    let signals = Signals::new(balance, *lags, motions, (known, decimation));
+    let load = known != Load::Unknown;
     let terms: Vec<usize> = (0..TERMS).filter(|term| load || ![3, 5].contains(term)).collect();
     let (squares, present) = rows(balance, &terms, &signals);
     let (p, inverse, rest) = squares.solve();
@@ -167,7 +208,12 @@ pub fn expected(
     let all = drag_weights(balance);
     let weights = DVector::from_iterator(terms.len(), terms.iter().map(|&term| all[term]));
     parameters.push((weights.dot(&p), weights.dot(&(&covariance * &weights)).sqrt()));
-    let path = path(constants, &signals, (motions, decimation), &present);
+    if signals.weighs {
+        let amplitude = p[3].hypot(p[5]);
+        let slope = DVector::from_fn(terms.len(), |k, _| if k == 3 || k == 5 { p[k] / amplitude } else { 0.0 });
+        parameters.push((amplitude, slope.dot(&(&covariance * &slope)).sqrt()));
+    }
+    let path = path(constants, &signals, (motions.len(), decimation), &present);
     Expected { parameters, of_rows, variance, rows: squares.rows, orders: expected_orders(tracking, &path, decimation) }
 }
 
@@ -181,7 +227,7 @@ pub fn drag_weights(balance: &TorqueBalance) -> [f64; TERMS] {
 /// All rows of a stream, and the parameters that hold at each of its steps.
 fn rows(balance: &TorqueBalance, terms: &[usize], signals: &Signals) -> (Squares, Vec<[f64; TERMS]>) {
     let (g, ts) = (f64::from(balance.filter.gain), f64::from(balance.interval_s));
-    let Signals { i, w, t, frictions: [s, loaded, stribeck] } = signals;
+    let Signals { i, w, t, frictions: [s, loaded, stribeck], .. } = signals;
     let ((fw, dw), one) = (filtered(w, g, ts), vec![1.0; i.len()]);
     let [fi, fs, ft, fq, fb] = [i, s, t, loaded, stribeck].map(|x| filtered(x, g, ts).0);
     let columns = [&dw, &fw, &fs, &ft, &one, &fq, &fb];
@@ -217,36 +263,27 @@ fn rows(balance: &TorqueBalance, terms: &[usize], signals: &Signals) -> (Squares
 fn path(
     constants: &ShaftConstants<RunTime>,
     signals: &Signals,
-    (motions, decimation): (&[Motion], usize),
+    (length, decimation): (usize, usize),
     present: &[[f64; TERMS]],
 ) -> Path {
-    let ShaftConstants { lags, balance, tracking } = constants;
-    let Signals { i, w, t, frictions: [s, loaded, stribeck] } = signals;
+    let ShaftConstants { balance, tracking, .. } = constants;
+    let Signals { i, w, t, frictions: [s, loaded, stribeck], angle, weighs } = signals;
     let (ts, slowest) = (f64::from(balance.interval_s), f64::from(tracking.blocks.slowest_rad_s));
     let e = |k: usize| {
         let p = &present[k];
         i[k] - p[1] * w[k] - p[2] * s[k] - p[3] * t[k] - p[4] - p[5] * loaded[k] - p[6] * stribeck[k]
     };
-    // The middle of the last interval; the half-band filter is three samples late.
-    let late = if decimation == 1 { 0.5 } else { 4.0 };
-    let longest = lags.current.max(lags.velocity).max(lags.load) + late;
-    let (whole, part) = (longest.floor() as usize, longest.fract());
-    // To the bit as in the core, since a block ends where the angle passes the end of a cell.
-    let angle = |k: usize| {
-        let k = sample(k + START, decimation) - whole;
-        let (newer, older) = (motions[k].angle, motions[k - 1].angle);
-        newer.bits().wrapping_add_signed((part * older.since(newer) as f32) as i32)
-    };
     let mut path = Path::default();
     let (mut turned, mut filtered, mut slow) = (0_i64, 0.0, 0.0);
     // The orders of a step are added at the sample after it.
-    let steps = (1..i.len()).take_while(|k| sample(k + START, decimation) + decimation - 1 < motions.len());
+    let steps = (1..i.len()).take_while(|k| sample(k + START, decimation) + decimation - 1 < length);
     for k in steps {
-        turned += i64::from(angle(k).wrapping_sub(angle(k - 1)).cast_signed());
+        turned += i64::from(angle[k].wrapping_sub(angle[k - 1]).cast_signed());
         let mean = (w[k] + w[k - 1]) / 2.0;
         let x = (mean.abs() / slowest - 1.0).clamp(0.0, 1.0);
         // The first sample starts the filters; an interval needs two.
-        let g = if k > 1 { 3.0 * x.powi(2) - 2.0 * x.powi(3) } else { 0.0 };
+        let known = !weighs || present[k] != balance.nominal.map(f64::from);
+        let g = if k > 1 && known { 3.0 * x.powi(2) - 2.0 * x.powi(3) } else { 0.0 };
         let rho = g * ((e(k) + e(k - 1)) / 2.0 - present[k][0] * (w[k] - w[k - 1]) / ts);
         filtered = rho + f64::from(tracking.blocks.pole) * filtered;
         let white = filtered - slow;

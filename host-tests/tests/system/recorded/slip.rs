@@ -11,7 +11,7 @@
 use std::f64::consts::TAU;
 
 use bearing_watch::model::{Feature, Lags, ShaftConstants, StateVariable, TorqueBalance};
-use bearing_watch::plan::{Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
+use bearing_watch::plan::{Layout, Load, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::shaft::OrderStrength;
 use bearing_watch::{Angle, Detector, FrictionTerm, Model};
 use host_tests::documents;
@@ -72,7 +72,7 @@ fn model(rpm: f64, turns: f64, others: &[f64]) -> Model<RunTime> {
     let watched = ShaftLayout {
         current: signal(0),
         velocity: Some(signal(1)),
-        load: None,
+        load: Load::Unknown,
         orders: tracking.orders.len() as u8,
         harmonics: 3,
         decimation: 1,

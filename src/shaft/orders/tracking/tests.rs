@@ -1,5 +1,5 @@
 use super::*;
-use crate::plan::{Layout, Plan as _, RunTime, ShaftLayout, Signal};
+use crate::plan::{Layout, Load, Plan as _, RunTime, ShaftLayout, Signal};
 use crate::shaft::orders::blocks::{Blocks, MAX_BLOCKS, TrackedOrder, q16};
 use crate::shaft::orders::noise::NoiseLine;
 use crate::shaft::orders::slip::{OrderStrength, Search, SlipRange};
@@ -29,7 +29,7 @@ fn plan() -> RunTime {
     let shaft = ShaftLayout {
         current: signal(0),
         velocity: Some(signal(1)),
-        load: None,
+        load: Load::Unknown,
         orders: 1,
         harmonics: 3,
         decimation: 1,

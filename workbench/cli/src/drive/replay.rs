@@ -229,7 +229,8 @@ fn shaft(names: &[String], segment: &SegmentReport) -> String {
         }
         _ => {
             let [j, b, tc] = [friction.inertia, friction.viscous, friction.coulomb].map(|parameter| parameter.value);
-            format!(", J/Kt {j:.3e} A·s²/rad, B/Kt {b:.2e} A·s/rad, Tc/Kt {tc:.2e} A")
+            let weight = friction.weight_a().map_or_else(String::new, |(weight, _)| format!(", weight {weight:.2e} A"));
+            format!(", J/Kt {j:.3e} A·s²/rad, B/Kt {b:.2e} A·s/rad, Tc/Kt {tc:.2e} A{weight}")
         }
     };
     for (name, order) in names.iter().zip(&segment.orders) {
@@ -358,6 +359,7 @@ fn value(
                 "values": each.map(|own| own.map(|parameter| parameter.value)),
                 "deviations": each.map(|own| own.map(|parameter| parameter.deviation)),
                 "scores": each.map(|own| own.map(|parameter| parameter.score)),
+                "weight_a": friction.weight_a().map(|(value, deviation)| json!({ "value": value, "deviation": deviation })),
             })
         }),
         "orders": segment.orders.iter().map(|o| json!({ "prominence": o.prominence, "amplitude_a": o.amplitude })).collect::<Vec<_>>(),

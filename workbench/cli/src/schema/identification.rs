@@ -105,6 +105,7 @@ pub(crate) const AUDIT: Form = Form {
         ("lines", "array", "Lines of the bearing and of the rotor"),
         ("findings", "array", "What is wrong, and in which traces"),
         ("friction", "array", "What each term of the torque balance can tell"),
+        ("weight", "object?", "The weight on an axis, where no load is measured: turns, explained part, amplitude"),
     ],
     optional: &[],
 };

@@ -236,14 +236,14 @@ fn bad_models_are_refused() {
     corrupt[40] ^= 1;
     write("corrupt.bwm", &corrupt);
     let mut newer = good.clone();
-    newer[4] = 12;
+    newer[4] = 13;
     write("newer.bwm", &newer);
     write("text.bwm", b"trace,class_name\n");
     write("other.csv", b"trace,class_name\nt0,worn\n");
     let evaluate = |model: &str| format!("evaluate --model {model} --labels labels.csv --out v.csv");
     refuse(dir, &evaluate("short.bwm"), &["short.bwm", "truncated", "train it again"]);
     refuse(dir, &evaluate("corrupt.bwm"), &["corrupt.bwm", "corrupted"]);
-    refuse(dir, &evaluate("newer.bwm"), &["newer.bwm", "newer format version 12", "reads 11", "update this program"]);
+    refuse(dir, &evaluate("newer.bwm"), &["newer.bwm", "newer format version 13", "reads 12", "update this program"]);
     refuse(dir, &evaluate("text.bwm"), &["text.bwm", "not a bearing-watch model"]);
     refuse(dir, &evaluate("absent.bwm"), &["absent.bwm"]);
     let other = "evaluate --model m.bwm --labels other.csv --out v.csv";

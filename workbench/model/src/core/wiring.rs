@@ -202,7 +202,7 @@ pub fn fields(layout: &Layout) -> Result<Vec<Field>, String> {
     if let Some(ShaftLayout { current, velocity, load, .. }) = layout.shaft {
         set(current, Field::Current);
         velocity.into_iter().for_each(|velocity| set(velocity, Field::Velocity));
-        load.into_iter().for_each(|load| set(load, Field::Load));
+        load.measured().into_iter().for_each(|load| set(load, Field::Load));
     }
     if let Some(RegressionLayout { structure, y, u1, u2, .. }) = layout.regression {
         set(y, Field::Y);

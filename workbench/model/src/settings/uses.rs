@@ -44,6 +44,7 @@ const SHAFT: &[&str] = &[
     "velocity_from",
     "current_delay",
     "balance_cutoff_hz",
+    "gear_ratio",
 ];
 /// A bearing, and what loads it.
 const LIFE: &[&str] =

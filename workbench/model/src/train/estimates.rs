@@ -135,7 +135,11 @@ impl<'a> Estimates<'a> {
         let own: Vec<usize> = (0..origins.len()).filter(|&row| rows.table.classes[row] == healthy).collect();
         let mut alone = rows.table.keep(&own);
         (alone.classes, alone.names) = (vec![0; own.len()], vec![rows.table.names[healthy].clone()]);
-        let found = contamination::of_sets(&alone, &sets(&rows.features, chosen))?;
+        let mut sets = sets(&rows.features, chosen);
+        // Friction that contains a load that is not known differs as the load does.
+        let known = recipe.shaft.as_ref().is_none_or(|plan| plan.load || plan.axis.weighs());
+        sets.retain(|set| known || set.iter().all(|&place| features::friction(&rows.features[place]).is_none()));
+        let found = contamination::of_sets(&alone, &sets)?;
         let others: Vec<usize> = found.others.iter().map(|&row| own[row]).collect();
         let traces = others.iter().map(|&row| self.traces[origins[row]].trace.id.clone()).collect();
         let Populations { distance, far, .. } = found;

@@ -30,8 +30,8 @@ pub use classifier::{
 pub use distribution::{ClassStatistics, covariance, moments, statistics};
 use estimates::Estimates;
 pub use estimator::{
-    Estimating, Estimation, NextToRotor, Remedy, ShaftPlan, VelocitySource, compared_turns, estimating, next_to_rotor,
-    usual_errors,
+    Axis, Estimating, Estimation, NextToRotor, Remedy, ShaftPlan, VelocitySource, Weight, compared_turns, estimating,
+    next_to_rotor, usual_errors,
 };
 pub use model::{OrderSight, Sight, Trained, compose, label};
 pub use novelty::{ACCEPTABLE, AlarmInterval, Alarms, Watch};

@@ -22,7 +22,7 @@ pub const USE: Use = Use {
     keys: &[
         &["traces", "labels", "where", "healthy", "false_alarm"],
         TIMES,
-        &["front_end", "current", "velocity", "velocity_ref", "angle", "load"],
+        &["front_end", "current", "velocity", "velocity_ref", "angle", "load", "gear_ratio"],
     ],
     required: &[],
 };

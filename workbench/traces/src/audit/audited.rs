@@ -7,6 +7,7 @@ use model::audit::column::Column;
 use model::audit::friction::Excited;
 use model::audit::times::Times;
 use model::trace::Missing;
+use model::train::Weight;
 
 /// One trace: its columns by name, and the channels that were chosen.
 #[derive(Debug)]
@@ -88,6 +89,8 @@ pub struct Outcome {
     pub lines: Vec<Line>,
     /// The smallest change of each term of friction.
     pub terms: Vec<Excited>,
+    /// The weight on an axis, where no load is measured.
+    pub weight: Option<Weight>,
 }
 
 /// Lines of orders in one trace, in the unit of the signal.

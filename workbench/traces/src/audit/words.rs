@@ -13,7 +13,7 @@ impl Outcome {
     /// The report as lines.
     #[must_use]
     pub fn lines(&self, false_alarm: f64) -> Vec<String> {
-        let Self { traces, findings, rotor, lines, terms } = self;
+        let Self { traces, findings, rotor, lines, terms, weight } = self;
         let mut report: Vec<String> = Vec::new();
         let rows: usize = traces.iter().map(|trace| trace.rows()).sum();
         report.push(format!("{} traces, {rows} rows", traces.len()));
@@ -68,6 +68,7 @@ impl Outcome {
             report.push(Excited::heading());
             report.extend(terms.iter().map(ToString::to_string));
         }
+        report.extend(weight.map(|own| format!("\n{}", own.words())));
         report.push(if findings.is_empty() { "\nnothing found".into() } else { "\nfound:".into() });
         for Finding { what, traces: own } in findings {
             let which = match &own[..] {
@@ -83,7 +84,7 @@ impl Outcome {
     /// The report as JSON.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let Self { traces, findings, rotor, lines, terms } = self;
+        let Self { traces, findings, rotor, lines, terms, weight } = self;
         let column = |(name, column): (&String, &Column)| {
             let Column {
                 mean,
@@ -130,6 +131,7 @@ impl Outcome {
             "lines": lines.iter().map(line).collect::<Vec<_>>(),
             "findings": findings.iter().map(finding).collect::<Vec<_>>(),
             "friction": terms.iter().map(Excited::to_json).collect::<Vec<_>>(),
+            "weight": weight.map(|own| own.to_json()),
         })
     }
 }

@@ -21,7 +21,8 @@ use model::session::Log;
 use model::settings::{Data, Settings, Signals, healthy_class};
 use model::trace::front_end::FrontEndFile;
 use model::trace::labels::Condition;
-use model::trace::{Cells, Channels, Labels, Recorded, Trace, trace_name};
+use model::trace::{Cells, Channels, Labels, MotionTrace, Recorded, Trace, median, same_interval, trace_name};
+use model::train::Weight;
 
 /// What follows the name of a trace before the front end.
 const AS_RECORDED: &str = " as recorded";
@@ -98,7 +99,11 @@ impl Audit {
         session_sets(&traces, &classes, &mut findings);
         let lines = self.lines(&traces, rotor);
         let terms = self.terms(&traces, &classes, rotor)?;
-        Ok(Outcome { traces, findings, rotor, lines, terms })
+        let weight = self.weight(&traces, rotor);
+        if let Some(doubt) = weight.and_then(|own| own.doubt()) {
+            add(&mut findings, doubt, "all without a load");
+        }
+        Ok(Outcome { traces, findings, rotor, lines, terms, weight })
     }
 
     /// The traces of a file: as they are recorded, and behind the front end, if there is one.
@@ -185,6 +190,26 @@ impl Audit {
         };
         let all: Vec<(Terms, bool)> = traces.par_iter().enumerate().filter_map(each).collect();
         Ok(excited(&all, self.false_alarm()))
+    }
+
+    /// The weight on an axis in the traces of the usual rate that have no load.
+    fn weight(&self, traces: &[Audited], rotor: Option<f64>) -> Option<Weight> {
+        let rates: Vec<f64> = traces.iter().filter_map(|trace| self.rate_of(trace, rotor)).collect();
+        let usual = median(rates);
+        let each = |trace: &Audited| {
+            let rate = self.rate_of(trace, rotor)?;
+            let signal = |own: &Option<Arc<Vec<f64>>>| own.as_deref().cloned();
+            let motion = MotionTrace {
+                current_a: signal(&trace.current)?,
+                velocity_rad_s: signal(&trace.velocity)?,
+                load_nm: vec![0.0; trace.rows()],
+                angle_rad: signal(&trace.angle)?,
+                reference_rad_s: vec![],
+            };
+            (trace.load.is_none() && same_interval(rate, usual)).then_some(motion)
+        };
+        let motions: Vec<MotionTrace> = traces.iter().filter_map(each).collect();
+        Weight::in_records(&motions, 1.0 / usual, self.settings.model.gear_ratio)
     }
 
     /// Floor, smallest line and turns of each trace with a signal and an angle.

@@ -9,7 +9,7 @@ use crate::train::directions::{Direction, Levels};
 use crate::train::novelty::runs::{RunSpread, Slope};
 use crate::train::novelty::{Gate, baseline};
 use crate::train::{
-    Coefficient, Dependence, Doubted, Explained, NextToRotor, Remedy, ShaftPlan, Trained, label, next_to_rotor,
+    Axis, Coefficient, Dependence, Doubted, Explained, NextToRotor, Remedy, ShaftPlan, Trained, label, next_to_rotor,
 };
 
 /// The estimator of the difference model as a word for `--method`; `None` if the detector does not estimate it.
@@ -82,7 +82,11 @@ pub fn lines(trained: &Trained, channels: &Channels, host: Preparation) -> Vec<S
     ];
     if let (Some(ShaftChannels { current, velocity, load, angle, .. }), Some(plan)) = (shaft, &trained.recipe.shaft) {
         let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
-        let load = load.as_deref().unwrap_or("not measured, 0");
+        let load = match (load, plan.axis.turns()) {
+            (Some(load), _) => load.clone(),
+            (None, Some(turns)) => format!("a weight on an axis of one turn in {turns:.4} of the motor, estimated"),
+            (None, None) => "not measured, 0".into(),
+        };
         let velocity = velocity.as_deref().unwrap_or("the differences of the angle");
         lines.push(format!(
             "Motion: current {current}, velocity {velocity}, load {load}, angle {angle}; orders {}.",
@@ -102,11 +106,16 @@ pub fn doubts(trained: &Trained) -> Vec<String> {
     let doubted = trained.doubted.iter().flat_map(Doubted::lines);
     let dependence = trained.dependence.iter().map(Dependence::line);
     let cut = label::cut(&trained.classes);
+    let axis = trained.recipe.shaft.as_ref().and_then(|plan| match plan.axis {
+        Axis::Carries(weight) => weight.doubt(),
+        _ => None,
+    });
     own.chain(unwatched)
         .chain(lasting)
         .chain(dependence)
         .chain(doubted)
         .chain(rotor_warnings(trained))
+        .chain(axis)
         .chain(cut)
         .collect()
 }

@@ -29,12 +29,13 @@ impl Training {
         own
     }
 
-    /// Source of the velocity, slip, orders and harmonics.
+    /// Source of the velocity, axis, slip, orders and harmonics.
     fn shaft(&self, plan: &ShaftPlan, given: &Settings, own: &mut Settings) {
         own.model.velocity_from = Some(match plan.velocity {
             VelocitySource::Angle => VelocityFrom::Angle,
             VelocitySource::Channel | VelocitySource::Best => VelocityFrom::Channel,
         });
+        own.model.gear_ratio = (!plan.load).then(|| plan.axis.turns().unwrap_or(0.0));
         if plan.orders.is_empty() {
             return;
         }

@@ -7,7 +7,7 @@ use crate::settings::sections::choices::VelocityFrom;
 use crate::settings::sections::geometry::Dimensions;
 use crate::settings::sections::settings::Settings;
 use crate::trace::ShaftChannels;
-use crate::train::ShaftPlan;
+use crate::train::{Axis, ShaftPlan};
 
 impl Settings {
     /// Returns the channels and the plan if the shaft is watched: if its angle is given.
@@ -36,6 +36,7 @@ impl Settings {
         plan.velocity = source.into();
         plan.slip = self.bearing.slip.unwrap_or(SLIP);
         plan.cutoff_hz = model.balance_cutoff_hz.unwrap_or(plan.cutoff_hz);
+        plan.axis = Axis::given(model.gear_ratio);
         if self.bearing.harmonics.len() > plan.weights.len() {
             return Err(Error::Usage("--harmonics takes at most three weights".into()));
         }
@@ -82,6 +83,7 @@ impl Settings {
             ("slip", bearing.slip.is_some()),
             ("current-delay", model.current_delay.is_some()),
             ("balance-cutoff-hz", model.balance_cutoff_hz.is_some()),
+            ("gear-ratio", model.gear_ratio.is_some()),
         ];
         given.iter().find(|(_, given)| *given).map_or(Ok(()), |(name, _)| {
             Err(Error::Usage(format!("--{name} watches the shaft: give its angle too, --angle CHANNEL")))

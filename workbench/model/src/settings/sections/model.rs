@@ -75,6 +75,11 @@ pub struct Model {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "HZ", "x-shaft" = true)))]
     pub balance_cutoff_hz: Option<f64>,
+    /// Turns of the motor for one turn of an axis behind a gear or belt that carries a weight, where no load is measured:
+    /// the detector then estimates the weight with the friction; found in the healthy traces if not given; 0: no weight
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "TURNS", "x-shaft" = true)))]
+    pub gear_ratio: Option<f64>,
     /// a, b, c, offset, log_variance, friction, friction_scores, friction_logs, orders, or single ones such as a1,
     /// viscous_score, viscous_log or order_outer; mean_CHANNEL or rms_CHANNEL of any column; if not given, training
     /// chooses those that detect best where the angle is known, and takes every parameter elsewhere
@@ -138,6 +143,7 @@ merges!(Model {
     velocity_from,
     current_delay,
     balance_cutoff_hz,
+    gear_ratio,
     features,
     covariates,
     rising,

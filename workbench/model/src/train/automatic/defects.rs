@@ -30,8 +30,9 @@ const MEASURED: usize = 32;
 const WEIGHTS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Sizes of (1), deviations.
 const PULSES: [f64; 6] = [2.0, 4.0, 8.0, 16.0, 32.0, 64.0];
-/// Sizes of (2) and (3), parts of the healthy friction.
+/// Sizes of (2) and (3), parts of the healthy friction; without a load sensor, of a tenth of the current.
 const FRICTIONS: [f64; 7] = [1.0 / 32.0, 1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 1.0, 2.0];
+const OF_CURRENT: [f64; 7] = [1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 1.0, 2.0, 4.0, 8.0];
 
 /// A kind of defect at all its sizes.
 pub(super) struct Added {
@@ -118,7 +119,8 @@ pub(super) fn added(own: &Estimates<'_>, situation: &Situation) -> Result<Vec<Ad
     let friction = usual_friction_a(own, plan);
     let [velocity, load] = [shaft.balance.usual_velocity_rad_s, shaft.balance.usual_load_nm].map(f64::from);
     let viscous = (velocity > 0.0).then(|| {
-        let sizes = FRICTIONS.map(|part| part * friction / velocity).to_vec();
+        let parts = if plan.load { FRICTIONS } else { OF_CURRENT };
+        let sizes = parts.map(|part| part * friction / velocity).to_vec();
         ("friction that grows with speed".to_string(), Kind::Viscous, 1.0, sizes, velocity)
     });
     let with_load = (situation.load && load > 0.0).then(|| {

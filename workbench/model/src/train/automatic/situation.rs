@@ -1,7 +1,7 @@
 //! What the healthy traces let a detector use.
 
-use crate::train::ShaftPlan;
 use crate::train::estimates::Estimates;
+use crate::train::{Axis, ShaftPlan};
 
 /// A feature is used if so many of the healthy segments have it.
 const PART: f64 = 0.5;
@@ -39,7 +39,10 @@ impl Situation {
             finite().fold(f64::INFINITY, f64::min) < finite().fold(f64::NEG_INFINITY, f64::max)
         });
         let mut notes = vec![];
-        if !measured {
+        let plan = own.recipe.shaft.as_ref();
+        if let Some(Axis::Carries(weight)) = plan.map(|plan| plan.axis) {
+            notes.push(weight.words());
+        } else if !measured {
             notes.push("no load is measured: friction contains it".to_string());
         } else if !varies {
             notes.push("the load is constant: torque constant and friction with load are not told".to_string());

@@ -17,6 +17,8 @@ use crate::trace::{MotionTrace, Trace};
 const LIMIT: f64 = 10.0;
 /// Rows from which a segment's own parameters are compared with the nominal ones.
 pub(crate) const OWN_FROM_ROWS: u16 = 48;
+/// The same with a weight on an axis, whose phase no nominal parameter knows.
+pub(crate) const OWN_FROM_FEW_ROWS: u16 = 8;
 /// Traces with their motion.
 pub(crate) type AlarmState<'a> = (&'a LabelledTrace, &'a MotionTrace);
 
@@ -85,5 +87,6 @@ pub(crate) fn layout(plan: &ShaftPlan, wiring: &Wiring) -> Result<ShaftLayout, E
     let missing = || Error::Training("the channels of the shaft are not wired".into());
     let ShaftSignals { current, velocity, load } = wiring.shaft.ok_or_else(missing)?;
     let (orders, harmonics) = (plan.orders.len() as u8, harmonics(&plan.weights));
+    let load = plan.axis.load(load);
     Ok(ShaftLayout { current, velocity, load, orders, harmonics, decimation: plan.decimation })
 }

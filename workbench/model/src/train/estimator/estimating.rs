@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 
 use bearing_watch::model::{MAX_SEGMENT_ROWS, MAX_SEGMENT_SAMPLES};
 
-use super::{filters, regression, shaft};
+use super::{axis, filters, regression, shaft};
 use crate::Error;
 use crate::core::Parts;
 use crate::trace::labels::LabelledTrace;
@@ -48,7 +48,7 @@ pub fn estimating(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe)
     check_intervals(traces)?;
     let (segment, recipe) = with_segment(traces, recipe);
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
-    let recipe = with_velocity(traces, interval_s, &recipe);
+    let recipe = with_axis(traces, interval_s, &with_velocity(traces, interval_s, &recipe));
     let parts = parts(traces, classes, &recipe, (segment, interval_s))?;
     Ok(Estimating { recipe, parts, segment, interval_s })
 }
@@ -175,6 +175,19 @@ fn with_velocity(traces: &[LabelledTrace], interval_s: f64, recipe: &Recipe) -> 
         noise(VelocitySource::Angle) < BETTER * noise(VelocitySource::Channel)
     };
     with(if angle_is_better { VelocitySource::Angle } else { VelocitySource::Channel })
+}
+
+/// Returns the recipe with what the healthy traces say of an axis.
+fn with_axis(traces: &[LabelledTrace], interval_s: f64, recipe: &Recipe) -> Recipe {
+    let Some(plan) = &recipe.shaft else { return recipe.clone() };
+    let healthy = traces.iter().filter(|own| own.class == recipe.estimation.nominal);
+    let motions = healthy.filter_map(|own| own.trace.motion.as_ref());
+    let motions: Vec<_> = motions.map(|motion| plan.velocity.motion(motion, interval_s)).collect();
+    let healthy: Vec<&MotionTrace> = motions.iter().map(AsRef::as_ref).collect();
+    // What keeps a balance from being trained is told there.
+    let untrained = plan.check(interval_s).ok().and_then(|()| shaft::untrained(&healthy, interval_s, plan).ok());
+    let axis = untrained.map_or(plan.axis, |constants| axis::of(plan, &constants.balance, &healthy));
+    Recipe { shaft: Some(ShaftPlan { axis, ..plan.clone() }), ..recipe.clone() }
 }
 
 #[cfg(test)]

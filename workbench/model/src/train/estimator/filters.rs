@@ -58,9 +58,9 @@ pub(crate) fn best(
         own.tracking.blocks.high_pass = 1.0 - (-2.0 * half * slow_hz).exp();
         own
     };
-    // What is never formed with own parameters stays so.
-    let rows =
-        if constants.balance.adapt_after_rows == u16::MAX { &[u16::MAX][..] } else { &[OWN_FROM_ROWS, u16::MAX] };
+    // What is never formed with own parameters, or has to be, stays so.
+    let own = [constants.balance.adapt_after_rows];
+    let rows = if own == [OWN_FROM_ROWS] { &[OWN_FROM_ROWS, u16::MAX][..] } else { &own };
     let slow = rows.iter().flat_map(|rows| SLOW_HZ.map(|slow_hz| with(*rows, slow_hz)));
     let best = least(bench, slow.collect(), healthy)?.map_or(constants, |(_, best)| best);
     Ok(least(bench, poles(&best), healthy)?.map_or(best, |(_, best)| best))

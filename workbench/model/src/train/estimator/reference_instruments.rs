@@ -11,15 +11,17 @@
 //! and least squares on (1) gives wrong parameters, the inertia of the simulated rig about twice too large. The
 //! reference r does not depend on the load, so instruments (2) are consistent (Söderström and Stoica, *Instrumental
 //! Variable Methods for System Identification*, §3). In one record of few periods load and reference are related by
-//! chance, which biases the estimate; (2) sums over all records, less the means of each. The window (4) keeps the
+//! chance, which biases the estimate; (2) sums over all records, less the means of each, and less what a weight on an
+//! axis explains of each signal, if there is one ([`super::axis`]). The window (4) keeps the
 //! frequencies of the load apart from those of the reference. All signals pass the filter of the core's torque balance.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use bearing_watch::model::TorqueBalance;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use rayon::prelude::*;
 
+use super::axis::turned;
 use crate::grey_box::filter::LowPass;
 use crate::trace::{MotionTrace, bridged, median};
 
@@ -30,22 +32,96 @@ const OFFSET: usize = 4;
 /// Fewest rows of a record.
 const FEWEST: usize = 4 * OWN.len();
 
+/// Cut-off of the balance's filter, Hz, and samples a step.
+pub(crate) type Rates = (f64, u8);
+
 type Columns = [Vec<f64>; OWN.len()];
 type Matrix = SMatrix<f64, { OWN.len() }, { OWN.len() }>;
 type Vector = SVector<f64, { OWN.len() }>;
 
-/// Sums of one record, and the means of its rows.
+/// The filter of the core's torque balance, over whole records.
+pub(crate) struct Filtered<'a> {
+    balance: &'a TorqueBalance,
+    filter: LowPass,
+    interval_s: f64,
+    decimation: usize,
+}
+
+impl<'a> Filtered<'a> {
+    pub(crate) fn new(balance: &'a TorqueBalance, (cutoff_hz, decimation): Rates) -> Self {
+        let interval_s = f64::from(balance.interval_s) / f64::from(decimation);
+        Self {
+            balance,
+            filter: LowPass::butterworth(1, cutoff_hz * interval_s),
+            interval_s,
+            decimation: decimation.into(),
+        }
+    }
+
+    pub(crate) fn signal(&self, signal: &[f64]) -> Vec<f64> {
+        self.filter.forward(signal)
+    }
+
+    /// x of (1).
+    pub(crate) fn columns(&self, velocity: &[f64]) -> [Vec<f64>; OWN.len()] {
+        let term = |each: fn(&TorqueBalance, f64) -> f64| {
+            self.signal(&velocity.iter().map(|w| each(self.balance, *w)).collect::<Vec<_>>())
+        };
+        let slope = self.filter.derivative(velocity).into_iter().map(|x| x / self.interval_s).collect();
+        [slope, term(|_, w| w), term(sign), term(stribeck)]
+    }
+
+    /// The samples of a record that are rows.
+    pub(crate) fn rows(&self, length: usize) -> impl Iterator<Item = usize> + use<> {
+        let samples = |steps: u16| usize::from(steps) * self.decimation;
+        (samples(self.balance.settle)..length).step_by(samples(self.balance.row_interval.into()).max(1))
+    }
+}
+
+/// Sums of one record, and what of its rows does not change or is of the weight.
 struct Sums {
     zx: Matrix,
     zi: Vector,
-    mean_x: Vector,
-    mean_i: f64,
+    offset_x: Vector,
+    offset_i: f64,
 }
 
-/// Replaces the nominal parameters that do not belong to the load by (2), and the offset by the median of o. Returns
-/// whether a record has a reference that moves the shaft; without one, nothing changes.
-pub(crate) fn correct(balance: &mut TorqueBalance, healthy: &[&MotionTrace], rates: (f64, u8)) -> bool {
-    let records: Vec<Sums> = healthy.par_iter().filter_map(|motion| sums(motion, balance, rates)).collect();
+/// What is taken from all signals of a record, with the weights (4): a constant, and with a weight its two sines.
+struct Taken {
+    weights: Vec<f64>,
+    columns: DMatrix<f64>,
+    /// The inverse of the columns' weighted products.
+    inverse: DMatrix<f64>,
+}
+
+impl Taken {
+    fn new(weights: Vec<f64>, axis: Option<&[f64]>) -> Option<Self> {
+        let turns = |row: usize| axis.map_or(0.0, |axis| TAU * axis[row]);
+        let column = |row: usize, column: usize| match column {
+            0 => 1.0,
+            1 => turns(row).cos(),
+            _ => turns(row).sin(),
+        };
+        let columns = DMatrix::from_fn(weights.len(), if axis.is_some() { 3 } else { 1 }, column);
+        let weighted = DMatrix::from_fn(columns.nrows(), columns.ncols(), |row, k| columns[(row, k)] * weights[row]);
+        let inverse = columns.tr_mul(&weighted).try_inverse()?;
+        Some(Self { weights, columns, inverse })
+    }
+
+    /// What is left of a signal, and its constant.
+    fn rest(&self, signal: &[f64]) -> (Vec<f64>, f64) {
+        let weighted = DVector::from_iterator(signal.len(), signal.iter().zip(&self.weights).map(|(x, w)| x * w));
+        let parts = &self.inverse * self.columns.tr_mul(&weighted);
+        let explained = &self.columns * &parts;
+        (signal.iter().zip(explained.iter()).map(|(x, own)| x - own).collect(), parts[0])
+    }
+}
+
+/// Replaces the nominal parameters that do not belong to the load by (2), and the offset by the median of o. `axis` are
+/// turns of the motor for one of an axis with a weight. Returns whether a record has a reference that moves the shaft;
+/// without one, or if they give no positive inertia, nothing changes.
+pub(crate) fn correct(balance: &mut TorqueBalance, healthy: &[&MotionTrace], rates: Rates, axis: Option<f64>) -> bool {
+    let records: Vec<Sums> = healthy.par_iter().filter_map(|motion| sums(motion, balance, rates, axis)).collect();
     if records.is_empty() {
         return false;
     }
@@ -59,54 +135,52 @@ pub(crate) fn correct(balance: &mut TorqueBalance, healthy: &[&MotionTrace], rat
     }
     let Some(inverse) = zx.try_inverse() else { return false };
     let p = before + inverse * rest; // (2)
+    // A sine that moves a weight hardly tells the inertia from it.
+    if p[0] <= 0.0 {
+        return false;
+    }
     for (term, own) in OWN.into_iter().zip(p.iter()) {
         balance.nominal[term] = *own as f32;
     }
-    let offsets: Vec<f64> = records.iter().map(|own| own.mean_i - own.mean_x.dot(&p)).collect();
+    let offsets: Vec<f64> = records.iter().map(|own| own.offset_i - own.offset_x.dot(&p)).collect();
     balance.nominal[OFFSET] = median(offsets) as f32;
     true
 }
 
 /// The sums of a record; `None` if it has no reference, one that does not move, or too few rows.
-fn sums(motion: &MotionTrace, balance: &TorqueBalance, (cutoff_hz, decimation): (f64, u8)) -> Option<Sums> {
+fn sums(motion: &MotionTrace, balance: &TorqueBalance, rates: Rates, axis: Option<f64>) -> Option<Sums> {
     if motion.reference_rad_s.is_empty() {
         return None;
     }
-    let interval_s = f64::from(balance.interval_s) / f64::from(decimation);
-    let filter = LowPass::butterworth(1, cutoff_hz * interval_s);
-    let columns = |velocity: &[f64]| -> Columns {
-        let term = |each: fn(&TorqueBalance, f64) -> f64| {
-            filter.forward(&velocity.iter().map(|w| each(balance, *w)).collect::<Vec<_>>())
-        };
-        let slope = filter.derivative(velocity).into_iter().map(|x| x / interval_s).collect();
-        [slope, term(|_, w| w), term(sign), term(stribeck)]
-    };
+    let filtered = Filtered::new(balance, rates);
     let [current, velocity, reference] =
         [&motion.current_a, &motion.velocity_rad_s, &motion.reference_rad_s].map(|signal| bridged(signal));
-    let (i, moved, asked) = (filter.forward(&current), columns(&velocity), columns(&reference));
-    let samples = |steps: u16| usize::from(steps) * usize::from(decimation);
-    let rows: Vec<usize> =
-        (samples(balance.settle)..i.len()).step_by(samples(balance.row_interval.into()).max(1)).collect();
+    let rows: Vec<usize> = filtered.rows(current.len()).collect();
     if rows.len() < FEWEST {
         return None;
     }
+    let at = |signal: Vec<f64>| rows.iter().map(|&row| signal[row]).collect::<Vec<f64>>();
     let count = rows.len() as f64;
     let window = |k: usize| 2.0 / count * (PI * (k as f64 + 0.5) / count).sin().powi(2); // (4)
-    let weighted = || rows.iter().enumerate().map(|(k, &row)| (window(k), row));
-    let of = |columns: &Columns, row: usize| Vector::from_fn(|k, _| columns[k][row]);
-    let mean = |columns: &Columns| weighted().map(|(weight, row)| of(columns, row) * weight).sum::<Vector>();
-    let (mean_x, mean_z) = (mean(&moved), mean(&asked));
-    let mean_i: f64 = weighted().map(|(weight, row)| i[row] * weight).sum();
+    let axis = axis.map(|turns| {
+        at(filtered.signal(&turned(&motion.angle_rad))).into_iter().map(|own| own / turns).collect::<Vec<_>>()
+    });
+    let taken = Taken::new((0..rows.len()).map(window).collect(), axis.as_deref())?;
+    let rest = |columns: Columns| columns.map(|column| taken.rest(&at(column)));
+    let (moved, asked) = (rest(filtered.columns(&velocity)), rest(filtered.columns(&reference)));
+    let (i, offset_i) = taken.rest(&at(filtered.signal(&current)));
+    let of = |columns: &[(Vec<f64>, f64); OWN.len()], row: usize| Vector::from_fn(|k, _| columns[k].0[row]);
     let (mut zx, mut zi, mut motion) = (Matrix::zeros(), Vector::zeros(), 0.0);
-    for (weight, row) in weighted() {
-        let z = (of(&asked, row) - mean_z) * weight * count;
-        zx += z * (of(&moved, row) - mean_x).transpose();
-        zi += z * (i[row] - mean_i);
-        motion += (asked[1][row] - mean_z[1]).powi(2) * weight;
+    for (row, weight) in taken.weights.iter().enumerate() {
+        let z = of(&asked, row) * *weight * count;
+        zx += z * of(&moved, row).transpose();
+        zi += z * i[row];
+        motion += asked[1].0[row].powi(2) * weight;
     }
     // A reference that stands still but for rounding, or not a number anywhere, tells nothing.
-    let moves = motion > 1e-12 * mean_z[1].powi(2) && zx[(1, 1)] > 0.0;
-    (moves && zx.iter().all(|own| own.is_finite())).then_some(Sums { zx, zi, mean_x, mean_i })
+    let moves = motion > 1e-12 * asked[1].1.powi(2) && zx[(1, 1)] > 0.0;
+    let offset_x = Vector::from_fn(|k, _| moved[k].1);
+    (moves && zx.iter().all(|own| own.is_finite())).then_some(Sums { zx, zi, offset_x, offset_i })
 }
 
 fn sign(balance: &TorqueBalance, velocity: f64) -> f64 {
@@ -123,6 +197,7 @@ mod tests {
     use bearing_watch::model::{StateVariable, TERMS};
 
     use super::*;
+    use crate::train::estimator::motion_of;
     use rig::{Condition, Scenario, simulate};
 
     const INTERVAL_S: f64 = 0.002;
@@ -165,12 +240,12 @@ mod tests {
         let current_a = velocity.iter().enumerate().map(current).collect();
         let mut motion = MotionTrace { current_a, velocity_rad_s: velocity.clone(), ..MotionTrace::default() };
         let mut found = before;
-        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1)), "no reference");
+        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1), None), "no reference");
         motion.reference_rad_s = vec![1.0; velocity.len()];
-        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1)), "a reference that stands still");
+        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1), None), "a reference that stands still");
         assert_eq!(found, before);
         motion.reference_rad_s = velocity;
-        assert!(correct(&mut found, &[&motion], (CUTOFF_HZ, 1)));
+        assert!(correct(&mut found, &[&motion], (CUTOFF_HZ, 1), None));
         for (term, exact) in [(0, 0.005), (1, 0.02), (2, 0.3), (4, 0.1), (6, 0.0)] {
             // Central differences of the fastest sine are short by a part in 10⁵.
             assert!((f64::from(found.nominal[term]) - exact).abs() < 1e-4, "{term}: {}", found.nominal[term]);
@@ -179,7 +254,7 @@ mod tests {
         // Without any motion of the shaft the prior is all that is known.
         motion.velocity_rad_s.fill(0.0);
         motion.current_a.fill(0.5);
-        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1)), "a shaft that stands still");
+        assert!(!correct(&mut found, &[&motion], (CUTOFF_HZ, 1), None), "a shaft that stands still");
     }
 
     #[test]
@@ -187,19 +262,12 @@ mod tests {
         let records: Vec<MotionTrace> = (0..80)
             .map(|seed| {
                 let scenario = Condition::MIX.apply(Scenario::STANDARD, 900 + seed);
-                let recorded = simulate(&scenario, 900 + seed).expect("valid");
-                MotionTrace {
-                    load_nm: recorded.recorded_load_nm(),
-                    current_a: recorded.current_a,
-                    velocity_rad_s: recorded.velocity_rad_s,
-                    angle_rad: recorded.angle_rad,
-                    reference_rad_s: recorded.velocity_ref_rad_s,
-                }
+                motion_of(simulate(&scenario, 900 + seed).expect("valid"))
             })
             .collect();
         let inertia = |records: &[MotionTrace]| {
             let mut found = balance();
-            assert!(correct(&mut found, &records.iter().collect::<Vec<_>>(), (CUTOFF_HZ, 1)));
+            assert!(correct(&mut found, &records.iter().collect::<Vec<_>>(), (CUTOFF_HZ, 1), None));
             f64::from(found.nominal[0])
         };
         let instruments = inertia(&records);

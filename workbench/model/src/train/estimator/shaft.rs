@@ -11,7 +11,8 @@
 use bearing_watch::model::{Lags, MAX_LAG, ShaftConstants, StateVariable, TERMS, TorqueBalance, Tracking};
 use bearing_watch::plan::{RunTime, ShaftLayout};
 
-use super::bench::{AlarmState, Bench, OWN_FROM_ROWS, layout};
+use super::bench::{AlarmState, Bench, OWN_FROM_FEW_ROWS, OWN_FROM_ROWS, layout};
+use super::loop_noise::LoopNoise;
 use super::nominal::{self, median};
 use super::shaft_plan::ShaftPlan;
 use super::{filters, lags, reference_instruments};
@@ -21,6 +22,9 @@ use crate::grey_box::filter::LowPass;
 use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
 use crate::train::VelocitySource;
+
+/// The prior of a weight, in parts of that of the median trace: payloads differ.
+const WIDER: f64 = 3.0;
 
 /// Returns the core's shaft with its trained constants.
 ///
@@ -80,27 +84,41 @@ fn with_balance<T>(
     let all: Vec<&MotionTrace> = motions.iter().map(AsRef::as_ref).collect();
     let plan = &plan.decimated(&all, interval_s);
     let own: Vec<AlarmState<'_>> = traces.iter().zip(all.iter().copied()).filter(|(t, _)| t.class == class).collect();
+    let recorded_healthy: Vec<&MotionTrace> = own.iter().filter_map(|(t, _)| t.trace.motion.as_ref()).collect();
     let bench = Bench::new(&own, plan, wiring)?;
     let healthy: Vec<&MotionTrace> = own.iter().map(|(_, motion)| *motion).collect();
     let mut constants = untrained(&all, interval_s, plan)?;
     let sign_velocity = f64::from(constants.balance.sign_velocity_rad_s);
+    let noise = if plan.load { None } else { LoopNoise::of(&recorded_healthy, interval_s) };
     constants.lags = match plan.current_delay {
         Some(delay) => Lags { current: delay as f32, ..Lags::default() },
         None if plan.load => lags::best(&healthy, (3.0 * plan.cutoff_hz * interval_s).min(0.2), sign_velocity),
         // The controller answers a load that is not measured with current, which looks like a lag of several samples.
-        None => Lags::default(),
+        None => Lags { current: noise.map_or(0.0, |own| own.current_lag as f32), ..Lags::default() },
     };
     constants.lags = match (plan.velocity, plan.current_delay) {
         (VelocitySource::Angle, Some(_)) => Lags { velocity: 0.5, ..constants.lags },
+        (VelocitySource::Angle, None) if noise.is_some() => Lags { velocity: 0.5, ..constants.lags },
         (VelocitySource::Angle, None) => behind_angle(constants.lags),
         (VelocitySource::Best | VelocitySource::Channel, _) => constants.lags,
     };
+    noise.into_iter().for_each(|own| own.hold(&mut constants.balance));
     let trained = bench.frictions(&constants, &own)?;
     nominal::learn(&mut constants.balance, &trained);
+    noise.into_iter().for_each(|own| own.hold(&mut constants.balance));
+    let weights: Vec<f64> = trained.iter().filter_map(|own| own.weight_a()).map(|(weight, _)| weight.into()).collect();
+    if !weights.is_empty() {
+        let prior = (WIDER * nominal::median(weights)).max(1e-9) as f32;
+        (constants.balance.prior[3], constants.balance.prior[5]) = (prior, prior);
+    }
     constants.balance.largest_change_rad = nominal::of(&all, interval_s, constants.balance.nominal[0]);
-    // The residual of the orders is then never formed with a segment's own parameters, which the load biases.
-    if !plan.load && reference_instruments::correct(&mut constants.balance, &healthy, (plan.cutoff_hz, plan.decimation))
-    {
+    // The residual of the orders is then never formed with a segment's own parameters, which the load biases, unless
+    // a weight is most of the load.
+    let corrected =
+        !plan.load && reference_instruments::correct(&mut constants.balance, &healthy, plan.rates(), plan.axis.turns());
+    if plan.axis.weighs() {
+        constants.balance.adapt_after_rows = OWN_FROM_FEW_ROWS;
+    } else if corrected {
         constants.balance.adapt_after_rows = u16::MAX;
     }
     rest(&bench, plan, constants, &own)
@@ -115,7 +133,11 @@ fn behind_angle(lags: Lags) -> Lags {
 }
 
 /// Returns constants with scales and rates; the nominal parameters are zero, with wide priors.
-fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Result<ShaftConstants<RunTime>, Error> {
+pub(super) fn untrained(
+    traces: &[&MotionTrace],
+    interval_s: f64,
+    plan: &ShaftPlan,
+) -> Result<ShaftConstants<RunTime>, Error> {
     let column = |pick: fn(&MotionTrace) -> &Vec<f64>| traces.iter().flat_map(move |t| pick(t).iter().copied());
     let rms = |pick| {
         let finite = || column(pick).filter(|x| x.is_finite());
@@ -132,7 +154,8 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
     let slopes: Vec<f64> = runs.flat_map(|run| low_pass.derivative(run)).collect();
     let acceleration = (slopes.iter().map(|x| x * x).sum::<f64>() / slopes.len().max(1) as f64).sqrt() / interval_s;
     let power_of_two = |rms: f64| if rms > 0.0 { (-rms.log2().round()).exp2() as f32 } else { 1.0 };
-    let (load, current) = (rms(|t| &t.load_nm), rms(|t| &t.current_a));
+    let current = rms(|t| &t.current_a);
+    let load = if plan.axis.weighs() { std::f64::consts::FRAC_1_SQRT_2 } else { rms(|t| &t.load_nm) };
     let columns = [acceleration, velocity, 1.0, load, 1.0, load, 1.0];
     let scale = columns.map(power_of_two);
     let [s0, s1, s2, s3, s4, s5, s6] = scale;

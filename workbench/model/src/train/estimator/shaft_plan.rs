@@ -23,6 +23,8 @@ use std::f64::consts::TAU;
 use bearing_watch::model::{Blocks, CONTROLS, LAGS, MAX_LAG, TrackedOrder, Tracking, q16};
 use bearing_watch::plan::RunTime;
 
+use super::axis::Axis;
+use super::reference_instruments::Rates;
 use crate::Error;
 use crate::core::{MAX_ORDERS, Measured};
 use crate::trace::MotionTrace;
@@ -64,6 +66,8 @@ pub struct ShaftPlan {
     pub cutoff_hz: f64,
     /// Whether the load torque is measured.
     pub load: bool,
+    /// The axis behind the motor.
+    pub axis: Axis,
     /// Where the velocity comes from.
     pub velocity: VelocitySource,
     /// Samples from step to step of balance and orders, 1 or 2; training chooses it.
@@ -83,6 +87,7 @@ impl ShaftPlan {
             current_delay: None,
             cutoff_hz: 4.0,
             load: true,
+            axis: Axis::Find,
             velocity: VelocitySource::Best,
             decimation: 1,
         }
@@ -98,6 +103,11 @@ impl ShaftPlan {
         let of_harmonic = highest * f64::from(harmonics(&self.weights)) * fast.unwrap_or(0.0) * interval_s / TAU;
         let slow = of_harmonic <= HALVED_TO && self.cutoff_hz * interval_s <= CUTOFF_TO;
         Self { decimation: if slow { 2 } else { 1 }, ..self.clone() }
+    }
+
+    /// Returns the cut-off of the balance, Hz, and samples a step.
+    pub(crate) fn rates(&self) -> Rates {
+        (self.cutoff_hz, self.decimation)
     }
 
     /// Returns which signals have a channel; before the choice of its source, the velocity has one.
@@ -169,6 +179,9 @@ impl ShaftPlan {
         }
         if !(0.0..=0.1).contains(&self.slip) {
             return refuse(format!("--slip is {}; it is 0 to 0.1, for example 0.008 for 0.8 %", self.slip));
+        }
+        if let Some(turns) = self.axis.turns().filter(|turns| !(1.0..=1e6).contains(turns)) {
+            return refuse(format!("--gear-ratio is {turns}; it is turns of the motor for one of the axis, 1 to 1e6"));
         }
         if !(self.cutoff_hz > 0.0 && self.cutoff_hz * interval_s < 0.25) {
             let most = 0.25 / interval_s;

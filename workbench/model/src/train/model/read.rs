@@ -5,7 +5,7 @@
 //! that contradict each other. What is left gives the same bits as in training.
 
 use bearing_watch::model::{Channel, Covariates, Feature};
-use bearing_watch::plan::{RegressionLayout, RunTime, ShaftLayout, Signal};
+use bearing_watch::plan::{Load, RegressionLayout, RunTime, ShaftLayout, Signal};
 
 use crate::core::Parts;
 use crate::core::features::Catalogue;
@@ -85,8 +85,11 @@ impl Parts {
         let signal = |own: Signal| Signal { channel: to(own.channel), minus: own.minus.map(to) };
         let shaft = self.shaft.clone().map(|(layout, constants)| {
             let ShaftLayout { current, velocity, load, .. } = layout;
-            let signals = (signal(current), velocity.map(signal), load.map(signal));
-            (ShaftLayout { current: signals.0, velocity: signals.1, load: signals.2, ..layout }, constants)
+            let load = match load {
+                Load::Measured(own) => Load::Measured(signal(own)),
+                Load::Unknown | Load::Weight { .. } => load,
+            };
+            (ShaftLayout { current: signal(current), velocity: velocity.map(signal), load, ..layout }, constants)
         });
         let there = |(channel, place): (&Channel, &Option<u8>)| place.map(|_| *channel);
         let averaged = (0..self.channels.len()).filter(|place| self.averaged >> place & 1 == 1);
@@ -100,7 +103,7 @@ impl Parts {
 }
 
 fn of_shaft(layout: &ShaftLayout) -> u16 {
-    channels([Some(layout.current), layout.velocity, layout.load])
+    channels([Some(layout.current), layout.velocity, layout.load.measured()])
 }
 
 fn of_regression(layout: &RegressionLayout) -> u16 {

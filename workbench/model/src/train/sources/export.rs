@@ -7,7 +7,7 @@ use bearing_watch::model::{
     Channel, Classifier, Covariate, Covariates, Directions, EvidenceConstants, Feature, KNOTS, Law, Regression,
     Sampling, ShaftConstants,
 };
-use bearing_watch::plan::{Layout, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
+use bearing_watch::plan::{Layout, Load, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
 use bearing_watch::{FrictionTerm, Park};
 
 use crate::core::coordinates;
@@ -146,7 +146,7 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: 
     if let Some(shaft) = layout.shaft {
         model.extend(["TorqueBalance", "Blocks", "Lags", "ShaftConstants", "StateVariable", "Tracking"]);
         model.extend((shaft.orders > 0).then_some("TrackedOrder"));
-        plan.push("ShaftLayout");
+        plan.extend(["Load", "ShaftLayout"]);
     }
     model.extend((layout.covariates > 0).then_some("Covariate"));
     model.sort_unstable();
@@ -198,10 +198,13 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
     if let Some(ShaftLayout { current, velocity, load, orders, harmonics, decimation }) = layout.shaft {
         out.line(2, "shaft: Some(ShaftLayout {");
         out.line(3, &format!("current: {},", signal(current)));
-        for (name, measured) in [("velocity", velocity), ("load", load)] {
-            let measured = measured.map_or_else(|| "None".into(), |own| format!("Some({})", signal(own)));
-            out.line(3, &format!("{name}: {measured},"));
-        }
+        let velocity = velocity.map_or_else(|| "None".into(), |own| format!("Some({})", signal(own)));
+        out.line(3, &format!("velocity: {velocity},"));
+        let load = match load {
+            Load::Measured(own) => format!("Measured({})", signal(own)),
+            Load::Unknown | Load::Weight { .. } => format!("{load:?}"),
+        };
+        out.line(3, &format!("load: Load::{load},"));
         out.line(3, &format!("orders: {orders},"));
         out.line(3, &format!("harmonics: {harmonics},"));
         out.line(3, &format!("decimation: {decimation},"));
