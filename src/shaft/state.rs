@@ -2,7 +2,7 @@
 
 use core::f32::consts::TAU;
 
-use super::balance::{BalanceState, BalanceSums, Friction, Regressors, TorqueBalance, Torques};
+use super::balance::{BalanceState, BalanceSums, Friction, TorqueBalance, Torques};
 use super::delays::{BEFORE, Delay, Delays, FILTERED_RING, Lags, RING, TAPS, half_band};
 use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking, phasor};
 use super::plausibility::{self, Usage};
@@ -132,8 +132,8 @@ pub struct Shaft<P: ShaftLengths> {
     /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start
     /// anywhere.
     angle: Angle,
-    /// The angle of an axis with a weight, 2⁻⁶⁴ turns; its start has no effect.
-    axis: u64,
+    /// The angle of an axis with a weight; its start has no effect.
+    axis: Angle,
     travel: Travel,
     balance: BalanceState,
     residual: ResidualState,
@@ -196,7 +196,7 @@ impl<P: ShaftLengths> Shaft<P> {
             largest_change: counts(constants.balance.largest_change_rad),
             stepped: false,
             angle: Angle::ZERO,
-            axis: 0,
+            axis: Angle::ZERO,
             travel: Travel::default(),
             balance: BalanceState::new(&constants.balance),
             residual: ResidualState::new(),
@@ -293,11 +293,11 @@ impl<P: ShaftLengths> Shaft<P> {
         let usage = &mut sums.usage;
         usage.seen = usage.seen.saturating_add(1);
         let (balance, has_load) = (&constants.balance, layout.load.has_terms());
-        let regressors = &balance.regressors(now, self.weight(layout.load, turned));
+        self.turn_axis(layout.load, turned);
         if self.filling > 0 {
             self.travel.restart();
             self.orders.turn_unwatched(turned);
-            self.fill(layout.decimation, constants, now, regressors);
+            self.fill(&layout, constants, now);
             return None;
         }
         usage.moved |= turned.cast_unsigned();
@@ -314,22 +314,29 @@ impl<P: ShaftLengths> Shaft<P> {
             let slowest = SLOWEST * balance.sign_velocity_rad_s * interval_s;
             self.travel.close_any(&mut sums.travel, slowest, interval_s);
         }
+        let regressors = &balance.regressors(now, self.weight(layout.load));
         self.balance.step(&mut sums.balance, (balance, has_load), now, regressors, clean);
         if layout.orders == 0 {
             return None;
         }
         let (blocks, p) = (&constants.tracking.blocks, self.balance.present());
-        let known = clean && (self.balance.is_own() || !matches!(layout.load, Load::Weight { .. }));
+        let known = clean && (!matches!(layout.load, Load::Weight { .. }) || self.balance.knows_weight());
         Some((turned, self.residual.step(balance, blocks, p, now, regressors, known)))
     }
 
-    /// Turns the axis of a weight; cosine and sine of its angle.
+    /// Turns the axis of a weight with the motor.
     #[inline(always)]
-    fn weight(&mut self, load: Load, turned: i32) -> Option<[f32; 2]> {
-        let Load::Weight { axis_q32 } = load else { return None };
-        let (turned, ratio) = (i64::from(turned), i64::from(axis_q32));
-        self.axis = self.axis.wrapping_add(turned.wrapping_mul(ratio).cast_unsigned());
-        let (cos, sin) = phasor((self.axis >> 32) as u32);
+    fn turn_axis(&mut self, load: Load, turned: i32) {
+        if let Load::Weight { axis_q32 } = load {
+            self.axis = self.axis.plus(Angle::from_bits(of_axis(turned, axis_q32)));
+        }
+    }
+
+    /// Cosine and sine of the angle of the axis of a weight.
+    #[inline(always)]
+    fn weight(&self, load: Load) -> Option<[f32; 2]> {
+        let Load::Weight { .. } = load else { return None };
+        let (cos, sin) = phasor(self.axis.bits());
         Some([cos, sin])
     }
 
@@ -390,13 +397,14 @@ impl<P: ShaftLengths> Shaft<P> {
     /// Counts a step that only fills the ring; with the last of them the filters start.
     #[cold]
     #[inline(never)]
-    fn fill(&mut self, decimation: u8, constants: &ShaftConstants<P>, now: &Torques, regressors: &Regressors) {
+    fn fill(&mut self, layout: &ShaftLayout, constants: &ShaftConstants<P>, now: &Torques) {
         self.filling = self.filling.saturating_sub(1);
         if self.filling == 0 {
-            self.balance.start(&constants.balance, now, regressors);
+            let regressors = constants.balance.regressors(now, self.weight(layout.load));
+            self.balance.start(&constants.balance, now, &regressors);
             self.residual = ResidualState::new();
             // A sample lost meanwhile is still in the delays.
-            self.spoilt = self.spoilt.max(decimation);
+            self.spoilt = self.spoilt.max(layout.decimation);
         }
     }
 
@@ -469,6 +477,13 @@ impl<P: ShaftLengths> Shaft<P> {
         // Steps that fill the ring start filters and travel.
         (self.filling, self.lost, self.spoilt) = (FILLING, 0, 0);
     }
+}
+
+/// The turn of an axis with one of the motor, 2⁻³² turns, rounded: what is lost in a segment is nothing.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "the turn of an axis is less than that of the motor")]
+const fn of_axis(turned: i32, axis_q32: u32) -> u32 {
+    ((turned as i64).wrapping_mul(axis_q32 as i64).wrapping_add(1 << 31) >> 32).cast_unsigned() as u32
 }
 
 /// An angle in counts of 2⁻³² turn; all of them for one that is larger, or infinite.

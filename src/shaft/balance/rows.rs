@@ -344,8 +344,6 @@ pub struct BalanceState {
     scaled: [f32; TERMS],
     /// p₀ … p₆ that hold at present.
     present: [f32; TERMS],
-    /// Whether they are of this drive's own rows.
-    own: bool,
 }
 
 impl BalanceState {
@@ -363,7 +361,6 @@ impl BalanceState {
             left: 0,
             scaled: [0.0; TERMS],
             present: balance.nominal,
-            own: false,
         }
     }
 
@@ -449,7 +446,6 @@ impl BalanceState {
         }
         self.left = k;
         if k == 0 {
-            self.own = true;
             let target = balance.scale_of(TERMS);
             for (&term, scaled) in pairs(no_unroll(terms), &self.scaled) {
                 if let Some(cell) = self.present.get_mut(term) {
@@ -465,10 +461,11 @@ impl BalanceState {
         &self.present
     }
 
-    /// Whether they are of rows and not nominal: the nominal ones do not know the phase of (6).
+    /// Whether they know the phase of (6), which the nominal ones do not.
     #[inline(always)]
-    pub(in crate::shaft) const fn is_own(&self) -> bool {
-        self.own
+    pub(in crate::shaft) const fn knows_weight(&self) -> bool {
+        let [.., cos, _, sin, _] = self.present;
+        cos != 0.0 || sin != 0.0
     }
 
     #[inline(always)]
@@ -479,6 +476,6 @@ impl BalanceState {
     /// Lets a new segment start afresh, with the nominal parameters.
     #[inline(always)]
     pub(in crate::shaft) const fn renew(&mut self, balance: &TorqueBalance) {
-        (self.due, self.present, self.own) = (0, balance.nominal, false);
+        (self.due, self.present) = (0, balance.nominal);
     }
 }
