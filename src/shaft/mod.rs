@@ -22,8 +22,8 @@
 //! behind the angle. The noise of a velocity channel, differentiated, is what hides small defects; the angle often has
 //! less.
 //!
-//! A plan with a weight on an axis ([`Load::Weight`](crate::plan::Load::Weight)) turns the angle of the axis with that of
-//! the motor, and its cosine and sine are the load. Until the weight is known, no order is summed.
+//! A plan with a weight on an axis ([`Load::Weight`](crate::plan::Load::Weight)) turns the angle of the axis with that
+//! of the motor, and its cosine and sine are the load. Until the weight is known, no order is summed.
 //!
 //! A sample that may not be used is replaced by the last one, and the residual pauses until only measured samples are
 //! in it: one lost sample costs a few samples. After a long gap the filters start afresh; the phases of the orders

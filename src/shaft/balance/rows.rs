@@ -12,10 +12,9 @@
 //! ```
 //!
 //! p₅ is friction in proportion to the load (μ = 1/η − 1 of a screw of efficiency η), p₆ the Stribeck part of friction:
-//! the excess of break-away friction Ts over sliding friction Tc. A weight on an axis behind a gear or belt is a sine of
-//! the axis' angle ψ, which the motor knows but for where it started: (6) is the load of such a plan, of unknown
-//! amplitude W and phase. All signals of (1) pass the same [`StateVariable`]
-//! filter, which gives ω̇ without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of
+//! the excess of break-away friction Ts over sliding friction Tc. A weight on an axis behind a gear or belt is a sine
+//! of the axis' angle ψ, which the motor knows but for where it started: (6) is the load of such a plan, of unknown
+//! amplitude W and phase. All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of
 //! the *measured* velocity: under a fluctuating load the velocity reverses when the reference does not, and friction
 //! follows the velocity. The current is the output because the load is usually known better; therefore all parameters
 //! are in amperes.

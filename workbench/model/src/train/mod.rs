@@ -31,7 +31,7 @@ pub use distribution::{ClassStatistics, covariance, moments, statistics};
 use estimates::Estimates;
 pub use estimator::{
     Axis, Estimating, Estimation, NextToRotor, Remedy, ShaftPlan, VelocitySource, Weight, compared_turns, estimating,
-    next_to_rotor, usual_errors,
+    next_to_rotor, usual_errors, weight_in,
 };
 pub use model::{OrderSight, Sight, Trained, compose, label};
 pub use novelty::{ACCEPTABLE, AlarmInterval, Alarms, Watch};

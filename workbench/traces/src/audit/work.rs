@@ -22,10 +22,12 @@ use model::settings::{Data, Settings, Signals, healthy_class};
 use model::trace::front_end::FrontEndFile;
 use model::trace::labels::Condition;
 use model::trace::{Cells, Channels, Labels, MotionTrace, Recorded, Trace, median, same_interval, trace_name};
-use model::train::Weight;
+use model::train::{Weight, weight_in};
 
 /// What follows the name of a trace before the front end.
 const AS_RECORDED: &str = " as recorded";
+/// Traces in which a weight is looked for.
+const MOST_WEIGHED: usize = 64;
 /// Rows of the shortest trace; shorter ones are tables of something else.
 const FEWEST: usize = 8;
 
@@ -196,20 +198,22 @@ impl Audit {
     fn weight(&self, traces: &[Audited], rotor: Option<f64>) -> Option<Weight> {
         let rates: Vec<f64> = traces.iter().filter_map(|trace| self.rate_of(trace, rotor)).collect();
         let usual = median(rates);
-        let each = |trace: &Audited| {
-            let rate = self.rate_of(trace, rotor)?;
-            let signal = |own: &Option<Arc<Vec<f64>>>| own.as_deref().cloned();
-            let motion = MotionTrace {
+        let bare = traces.iter().filter(|trace| {
+            trace.load.is_none() && self.rate_of(trace, rotor).is_some_and(|rate| same_interval(rate, usual))
+        });
+        let motion = |trace: &Audited| {
+            let signal = |channel: &Option<Arc<Vec<f64>>>| channel.as_deref().cloned();
+            Some(MotionTrace {
                 current_a: signal(&trace.current)?,
                 velocity_rad_s: signal(&trace.velocity)?,
                 load_nm: vec![0.0; trace.rows()],
                 angle_rad: signal(&trace.angle)?,
                 reference_rad_s: vec![],
-            };
-            (trace.load.is_none() && same_interval(rate, usual)).then_some(motion)
+            })
         };
-        let motions: Vec<MotionTrace> = traces.iter().filter_map(each).collect();
-        Weight::in_records(&motions, 1.0 / usual, self.settings.model.gear_ratio)
+        // Copies of so many say as much as those of all.
+        let motions: Vec<MotionTrace> = bare.filter_map(motion).take(MOST_WEIGHED).collect();
+        weight_in(&motions.iter().collect::<Vec<_>>(), 1.0 / usual, self.settings.model.gear_ratio)
     }
 
     /// Floor, smallest line and turns of each trace with a signal and an angle.

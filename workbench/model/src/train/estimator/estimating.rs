@@ -19,7 +19,8 @@ use std::f64::consts::TAU;
 
 use bearing_watch::model::{MAX_SEGMENT_ROWS, MAX_SEGMENT_SAMPLES};
 
-use super::{axis, filters, regression, shaft};
+use super::velocity_source::velocity_noise;
+use super::{filters, period, regression, shaft};
 use crate::Error;
 use crate::core::Parts;
 use crate::trace::labels::LabelledTrace;
@@ -170,7 +171,7 @@ fn with_velocity(traces: &[LabelledTrace], interval_s: f64, recipe: &Recipe) -> 
         let motions: Vec<&MotionTrace> = healthy.filter_map(|own| own.trace.motion.as_ref()).collect();
         let noise = |velocity: VelocitySource| {
             let own: Vec<_> = motions.iter().map(|motion| velocity.motion(motion, interval_s)).collect();
-            shaft::velocity_noise(&own.iter().map(AsRef::as_ref).collect::<Vec<_>>())
+            velocity_noise(&own.iter().map(AsRef::as_ref).collect::<Vec<_>>())
         };
         noise(VelocitySource::Angle) < BETTER * noise(VelocitySource::Channel)
     };
@@ -179,14 +180,12 @@ fn with_velocity(traces: &[LabelledTrace], interval_s: f64, recipe: &Recipe) -> 
 
 /// Returns the recipe with what the healthy traces say of an axis.
 fn with_axis(traces: &[LabelledTrace], interval_s: f64, recipe: &Recipe) -> Recipe {
-    let Some(plan) = &recipe.shaft else { return recipe.clone() };
+    let Some(plan) = recipe.shaft.as_ref().filter(|plan| !plan.load) else { return recipe.clone() };
     let healthy = traces.iter().filter(|own| own.class == recipe.estimation.nominal);
     let motions = healthy.filter_map(|own| own.trace.motion.as_ref());
     let motions: Vec<_> = motions.map(|motion| plan.velocity.motion(motion, interval_s)).collect();
     let healthy: Vec<&MotionTrace> = motions.iter().map(AsRef::as_ref).collect();
-    // What keeps a balance from being trained is told there.
-    let untrained = plan.check(interval_s).ok().and_then(|()| shaft::untrained(&healthy, interval_s, plan).ok());
-    let axis = untrained.map_or(plan.axis, |constants| axis::of(plan, &constants.balance, &healthy));
+    let axis = period::of(plan, &healthy, interval_s);
     Recipe { shaft: Some(ShaftPlan { axis, ..plan.clone() }), ..recipe.clone() }
 }
 

@@ -19,8 +19,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::nominal::median;
-use super::shaft::velocity_noise;
-use super::velocity_source::VelocitySource;
+use super::velocity_source::{VelocitySource, velocity_noise};
 use crate::trace::{MotionTrace, bridged};
 
 /// Corner of the high-pass, Hz.

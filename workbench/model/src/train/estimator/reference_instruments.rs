@@ -12,8 +12,8 @@
 //! reference r does not depend on the load, so instruments (2) are consistent (Söderström and Stoica, *Instrumental
 //! Variable Methods for System Identification*, §3). In one record of few periods load and reference are related by
 //! chance, which biases the estimate; (2) sums over all records, less the means of each, and less what a weight on an
-//! axis explains of each signal, if there is one ([`super::axis`]). The window (4) keeps the
-//! frequencies of the load apart from those of the reference. All signals pass the filter of the core's torque balance.
+//! axis explains of each signal, if there is one ([`super::period`]). The window (4) keeps the frequencies of the load
+//! apart from those of the reference. All signals pass the filter of the core's torque balance.
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,62 +21,19 @@ use bearing_watch::model::TorqueBalance;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use rayon::prelude::*;
 
-use super::axis::turned;
-use crate::grey_box::filter::LowPass;
+use super::filtered::{COLUMNS, Filtered, Rates, turned};
 use crate::trace::{MotionTrace, bridged, median};
 
 /// The parameters of (1) among all terms of the balance.
-const OWN: [usize; 4] = [0, 1, 2, 6];
+const OWN: [usize; COLUMNS] = [0, 1, 2, 6];
 /// The offset among all terms of the balance.
 const OFFSET: usize = 4;
 /// Fewest rows of a record.
 const FEWEST: usize = 4 * OWN.len();
 
-/// Cut-off of the balance's filter, Hz, and samples a step.
-pub(crate) type Rates = (f64, u8);
-
 type Columns = [Vec<f64>; OWN.len()];
 type Matrix = SMatrix<f64, { OWN.len() }, { OWN.len() }>;
 type Vector = SVector<f64, { OWN.len() }>;
-
-/// The filter of the core's torque balance, over whole records.
-pub(crate) struct Filtered<'a> {
-    balance: &'a TorqueBalance,
-    filter: LowPass,
-    interval_s: f64,
-    decimation: usize,
-}
-
-impl<'a> Filtered<'a> {
-    pub(crate) fn new(balance: &'a TorqueBalance, (cutoff_hz, decimation): Rates) -> Self {
-        let interval_s = f64::from(balance.interval_s) / f64::from(decimation);
-        Self {
-            balance,
-            filter: LowPass::butterworth(1, cutoff_hz * interval_s),
-            interval_s,
-            decimation: decimation.into(),
-        }
-    }
-
-    pub(crate) fn signal(&self, signal: &[f64]) -> Vec<f64> {
-        self.filter.forward(signal)
-    }
-
-    /// x of (1).
-    pub(crate) fn columns(&self, velocity: &[f64]) -> [Vec<f64>; OWN.len()] {
-        let term = |each: fn(&TorqueBalance, f64) -> f64| {
-            self.signal(&velocity.iter().map(|w| each(self.balance, *w)).collect::<Vec<_>>())
-        };
-        let slope = self.filter.derivative(velocity).into_iter().map(|x| x / self.interval_s).collect();
-        [slope, term(|_, w| w), term(sign), term(stribeck)]
-    }
-
-    /// The samples of a record that are rows.
-    pub(crate) fn rows(&self, length: usize) -> impl Iterator<Item = usize> + use<> {
-        let samples = |steps: u16| usize::from(steps) * self.decimation;
-        (samples(self.balance.settle)..length).step_by(samples(self.balance.row_interval.into()).max(1))
-    }
-}
 
 /// Sums of one record, and what of its rows does not change or is of the weight.
 struct Sums {
@@ -183,20 +140,12 @@ fn sums(motion: &MotionTrace, balance: &TorqueBalance, rates: Rates, axis: Optio
     (moves && zx.iter().all(|own| own.is_finite())).then_some(Sums { zx, zi, offset_x, offset_i })
 }
 
-fn sign(balance: &TorqueBalance, velocity: f64) -> f64 {
-    (velocity / f64::from(balance.sign_velocity_rad_s)).clamp(-1.0, 1.0)
-}
-
-fn stribeck(balance: &TorqueBalance, velocity: f64) -> f64 {
-    let ratio = velocity / f64::from(balance.stribeck_velocity_rad_s);
-    sign(balance, velocity) / (1.0 + ratio * ratio)
-}
-
 #[cfg(test)]
 mod tests {
     use bearing_watch::model::{StateVariable, TERMS};
 
     use super::*;
+    use crate::train::estimator::filtered::sign;
     use crate::train::estimator::motion_of;
     use rig::{Condition, Scenario, simulate};
 

@@ -15,6 +15,7 @@ use super::bench::{AlarmState, Bench, OWN_FROM_FEW_ROWS, OWN_FROM_ROWS, layout};
 use super::loop_noise::LoopNoise;
 use super::nominal::{self, median};
 use super::shaft_plan::ShaftPlan;
+use super::velocity_source::velocity_noise;
 use super::{filters, lags, reference_instruments};
 use crate::Error;
 use crate::core::Wiring;
@@ -186,15 +187,6 @@ pub(super) fn untrained(
         },
         tracking: tracking(traces, plan, sign_velocity),
     })
-}
-
-/// Standard deviation of the velocity's white noise: second differences of white noise have six times its variance.
-pub(crate) fn velocity_noise(traces: &[&MotionTrace]) -> f64 {
-    let second = |t: &&MotionTrace| {
-        let differences = t.velocity_rad_s.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
-        median(differences.filter(|x| x.is_finite()).collect())
-    };
-    1.483 * median(traces.iter().map(second).collect()) / 6.0_f64.sqrt()
 }
 
 fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tracking<RunTime> {

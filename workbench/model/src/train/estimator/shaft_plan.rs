@@ -24,7 +24,7 @@ use bearing_watch::model::{Blocks, CONTROLS, LAGS, MAX_LAG, TrackedOrder, Tracki
 use bearing_watch::plan::RunTime;
 
 use super::axis::Axis;
-use super::reference_instruments::Rates;
+use super::filtered::Rates;
 use crate::Error;
 use crate::core::{MAX_ORDERS, Measured};
 use crate::trace::MotionTrace;

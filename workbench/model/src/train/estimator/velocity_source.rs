@@ -11,6 +11,7 @@ use std::f64::consts::{PI, TAU};
 
 use bearing_watch::model::BRIDGE;
 
+use super::nominal::median;
 use crate::trace::MotionTrace;
 
 /// Source of the velocity.
@@ -62,6 +63,15 @@ fn differenced(motion: &MotionTrace, interval_s: f64) -> MotionTrace {
         *first = *second;
     }
     MotionTrace { velocity_rad_s, ..motion.clone() }
+}
+
+/// Standard deviation of the velocity's white noise: second differences of white noise have six times its variance.
+pub(crate) fn velocity_noise(traces: &[&MotionTrace]) -> f64 {
+    let second = |t: &&MotionTrace| {
+        let differences = t.velocity_rad_s.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
+        median(differences.filter(|x| x.is_finite()).collect())
+    };
+    1.483 * median(traces.iter().map(second).collect()) / 6.0_f64.sqrt()
 }
 
 #[cfg(test)]

@@ -1,0 +1,226 @@
+//! Whether the motor moves an axis that carries a weight: the period of the load over the angle, from healthy traces.
+//!
+//! ```text
+//! i = x p + o + c cos ψ + s sin ψ,   x = (ω̇, ω, s(ω), s(ω)/(1 + (ω/ω_s)²)),   ψ = 2π Θ/R                  (1)
+//! e(R) = 1 − S(R)/S₀                                                                                  (2)
+//! g(R) = Σ n ln(S₀/S(R))   over the records, n rows each                                              (3)
+//! ```
+//!
+//! Θ are the turns of the motor, R those for one turn of the axis. S is the sum of squares of what (1) leaves of the
+//! current, S₀ that without the weight, each record with its own c and s: payload and start of the axis differ between
+//! records. The R with the largest (3) is taken if its (2) is at least a half in half of the records: a load that is no
+//! function of the position is not explained by one. R is at most four times the travel of the longest record, where a
+//! sine is as good as a parabola, and so is any larger R.
+
+use std::f64::consts::TAU;
+
+use bearing_watch::model::{ShaftConstants, TorqueBalance};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::axis::{Axis, Weight};
+use super::filtered::{Filtered, Rates, turned};
+use super::shaft::untrained;
+use super::shaft_plan::ShaftPlan;
+use super::velocity_source::VelocitySource;
+use crate::trace::{MotionTrace, bridged, median};
+
+/// The least (2) of the median record.
+const EXPLAINED: f64 = 0.5;
+/// A ratio that is given is doubted if another one leaves less than this part of what it leaves.
+const FAR_LESS: f64 = 0.5;
+/// Records of which (3) is the sum, at most, and rows of each.
+const MOST_RECORDS: usize = 64;
+const MOST_ROWS: usize = 2000;
+/// Fewest rows of a record.
+const FEWEST: usize = 32;
+/// Fewest turns of the motor a turn of the axis: what turns faster is of the rotor itself.
+const LEAST_TURNS: f64 = 1.25;
+/// The largest R, in parts of the longest travel.
+const TRAVELS: f64 = 4.0;
+/// Ratios that are compared, at most.
+const MOST_RATIOS: usize = 4000;
+
+/// What (1) without the weight leaves of the current of a record, and its axis.
+struct Rest {
+    /// Orthonormal columns of what is taken from the current.
+    taken: DMatrix<f64>,
+    rest: DVector<f64>,
+    turns: Vec<f64>,
+}
+
+/// The weight in records of an interval; `turns` are those that a user gives.
+#[must_use]
+pub fn weight_in(records: &[&MotionTrace], interval_s: f64, turns: Option<f64>) -> Option<Weight> {
+    let axis = Axis::given(turns);
+    let plan = ShaftPlan { load: false, axis, velocity: VelocitySource::Channel, ..ShaftPlan::new(vec![]) };
+    match of(&plan, records, interval_s) {
+        Axis::Carries(weight) => Some(weight),
+        Axis::Find | Axis::None | Axis::Turns(_) => None,
+    }
+}
+
+/// What these healthy traces say of the axis of a plan.
+pub(crate) fn of(plan: &ShaftPlan, healthy: &[&MotionTrace], interval_s: f64) -> Axis {
+    if plan.load || plan.axis == Axis::None {
+        return Axis::None;
+    }
+    // What keeps a balance from being trained is told where it is.
+    let untrained = plan.check(interval_s).ok().and_then(|()| untrained(healthy, interval_s, plan).ok());
+    let Some(ShaftConstants { balance, .. }) = untrained else { return plan.axis };
+    let (given, rates) = (plan.axis.turns(), plan.rates());
+    let records: Vec<Rest> =
+        healthy.par_iter().take(MOST_RECORDS).filter_map(|motion| Rest::of(motion, &balance, rates)).collect();
+    let best = best_ratio(&records);
+    let of = |turns: f64, given: bool| {
+        let all: Vec<(f64, f64)> = records.iter().map(|own| own.explained(turns)).collect();
+        let middle = |pick: fn(&(f64, f64)) -> f64| {
+            if all.is_empty() { 0.0 } else { median(all.iter().map(pick).collect::<Vec<f64>>()) }
+        };
+        Weight { turns, given, explained: middle(|own| own.0), amplitude_a: middle(|own| own.1), better: None }
+    };
+    let found = best.map(|turns| of(turns, false)).filter(|own| own.explained >= EXPLAINED);
+    match (given.map(|turns| of(turns, true)), found) {
+        (Some(own), Some(found)) if 1.0 - found.explained < FAR_LESS * (1.0 - own.explained) => {
+            Axis::Carries(Weight { better: Some(found.turns), ..own })
+        }
+        (Some(own), _) => Axis::Carries(own),
+        (None, Some(found)) => Axis::Carries(found),
+        (None, None) => Axis::None,
+    }
+}
+
+/// The R with the largest (3).
+fn best_ratio(records: &[Rest]) -> Option<f64> {
+    let travel = records.iter().map(Rest::travel).fold(0.0, f64::max);
+    let (least, most) = (1.0 / (TRAVELS * travel), 1.0 / LEAST_TURNS);
+    if !(travel > 0.0 && least < most) {
+        return None;
+    }
+    // A fourth of what the travel resolves.
+    let count = (((most - least) * TRAVELS * travel).ceil() as usize).clamp(1, MOST_RATIOS);
+    let step = (most - least) / count as f64;
+    let gain = |inverse: f64| -> f64 {
+        let each = |own: &Rest| own.turns.len() as f64 * -(1.0 - own.explained(1.0 / inverse).0).max(1e-9).ln();
+        records.iter().map(each).sum()
+    };
+    let best = |inverses: Vec<f64>| {
+        let gains: Vec<(f64, f64)> = inverses.into_par_iter().map(|own| (own, gain(own))).collect();
+        gains.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(own, _)| own)
+    };
+    let mut middle = best((0..=count).map(|k| least + step * k as f64).collect())?;
+    let mut width = step;
+    for _ in 0..3 {
+        middle = best((-8..=8).map(|k| (middle + width * f64::from(k) / 8.0).clamp(least, most)).collect())?;
+        width /= 8.0;
+    }
+    Some(1.0 / middle)
+}
+
+impl Rest {
+    fn of(motion: &MotionTrace, balance: &TorqueBalance, rates: Rates) -> Option<Self> {
+        let filtered = Filtered::new(balance, rates);
+        let rows: Vec<usize> = filtered.rows(motion.current_a.len()).take(MOST_ROWS).collect();
+        if rows.len() < FEWEST {
+            return None;
+        }
+        let at = |column: &[f64]| DVector::from_iterator(rows.len(), rows.iter().map(|&row| column[row]));
+        let columns = filtered.columns(&bridged(&motion.velocity_rad_s));
+        let one = DVector::from_element(rows.len(), 1.0);
+        let all: Vec<DVector<f64>> = columns.iter().map(|column| at(column)).chain([one]).collect();
+        // A signal that is zero, or a sum of the others, takes nothing.
+        let decomposed = DMatrix::from_columns(&all.iter().map(|own| own / own.norm().max(1e-300)).collect::<Vec<_>>())
+            .svd(true, false);
+        let kept: Vec<usize> =
+            (0..decomposed.singular_values.len()).filter(|&k| decomposed.singular_values[k] > 1e-6).collect();
+        let taken = decomposed.u?.select_columns(&kept);
+        let current = at(&filtered.signal(&bridged(&motion.current_a)));
+        let rest = &current - &taken * taken.tr_mul(&current);
+        let turns = filtered.signal(&turned(&motion.angle_rad));
+        let turns: Vec<f64> = rows.iter().map(|&row| turns[row]).collect();
+        let whole = rest.norm() > 1e-9 * current.norm() && turns.iter().all(|own| own.is_finite());
+        whole.then_some(Self { taken, rest, turns })
+    }
+
+    fn travel(&self) -> f64 {
+        let (low, high) =
+            self.turns.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        high - low
+    }
+
+    /// (2), and the amplitude.
+    fn explained(&self, turns: f64) -> (f64, f64) {
+        let count = self.turns.len();
+        let of =
+            |part: fn(f64) -> f64| DVector::from_iterator(count, self.turns.iter().map(|own| part(TAU * own / turns)));
+        let (cos, sin) = (of(f64::cos), of(f64::sin));
+        // The current has nothing left of what is taken, so that only the products of the sines lose it.
+        let [of_cos, of_sin] = [&cos, &sin].map(|own| self.taken.tr_mul(own));
+        let cc = cos.norm_squared() - of_cos.norm_squared();
+        let cs = cos.dot(&sin) - of_cos.dot(&of_sin);
+        let ss = sin.norm_squared() - of_sin.norm_squared();
+        let (ci, si) = (cos.dot(&self.rest), sin.dot(&self.rest));
+        let determinant = cc * ss - cs * cs;
+        // Over a short travel the sines are what the offset is.
+        if determinant <= 1e-10 * cc.max(ss).max(1e-6 * count as f64).powi(2) {
+            return (0.0, 0.0);
+        }
+        let (c, s) = ((ss * ci - cs * si) / determinant, (cc * si - cs * ci) / determinant);
+        ((c * ci + s * si) / self.rest.norm_squared(), c.hypot(s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::train::estimator::motion_of;
+    use rig::{Condition, Scenario, simulate};
+
+    fn records(condition: &Condition) -> Vec<MotionTrace> {
+        let record = |seed| motion_of(simulate(&condition.apply(Scenario::WITH_RESOLVER, seed), seed).expect("valid"));
+        (5300..5330).map(record).collect()
+    }
+
+    fn weigh(records: &[MotionTrace], turns: Option<f64>) -> Option<Weight> {
+        weight_in(&records.iter().collect::<Vec<_>>(), 0.002, turns)
+    }
+
+    fn named(name: &str) -> Condition {
+        Condition::AXES.into_iter().chain(Condition::FIELD).find(|own| own.name == name).expect("a condition")
+    }
+
+    #[test]
+    fn the_ratio_is_the_period_of_the_current_over_the_angle() {
+        // Of an arc of a seventh of a turn the ratio is known to some per cent, and a weight of amperes from the
+        // inertia hardly told; a whole turn tells more.
+        for (name, ratio, within, amplitude_a) in
+            [("axis-0.15", 50.0, 0.04, 3.0), ("axis-0.4", 50.0, 0.03, 8.0), ("axis-0.15-ratio-5", 5.0, 0.003, 3.0)]
+        {
+            let found = weigh(&records(&named(name)), None).expect(name);
+            println!("{name}: {found:?}");
+            assert!((found.turns / ratio - 1.0).abs() < within, "{name}: {found:?}");
+            assert!(found.explained > 0.9 && (found.amplitude_a / amplitude_a - 1.0).abs() < 0.3, "{name}: {found:?}");
+            assert!(!found.given && found.better.is_none(), "{name}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn no_weight_is_found_where_there_is_none() {
+        for name in ["axis-level", "no-load-sensor"] {
+            assert_eq!(weigh(&records(&named(name)), None), None, "{name}");
+        }
+        assert_eq!(weigh(&records(&named("axis-0.15")), Some(0.0)), None, "a user says so");
+        assert_eq!(weigh(&[], None), None);
+    }
+
+    #[test]
+    fn a_ratio_that_is_given_is_kept_and_doubted_if_another_explains_far_more() {
+        let records = records(&named("axis-0.15-ratio-5"));
+        let given = |turns| weigh(&records, Some(turns)).expect("as given");
+        let right = given(5.0);
+        assert_eq!((right.turns, right.given, right.better, right.doubt()), (5.0, true, None, None));
+        let wrong = given(8.0);
+        assert!((wrong.turns, wrong.given) == (8.0, true) && (wrong.better.expect("a better one") - 5.0).abs() < 0.02);
+        assert!(wrong.doubt().is_some_and(|doubt| doubt.contains("one of 5.0")), "{:?}", wrong.doubt());
+    }
+}
