@@ -75,8 +75,9 @@ pub struct Model {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "HZ", "x-shaft" = true)))]
     pub balance_cutoff_hz: Option<f64>,
-    /// Turns of the motor for one turn of an axis behind a gear or belt that carries a weight, where no load is measured:
-    /// the detector then estimates the weight with the friction; found in the healthy traces if not given; 0: no weight
+    /// Turns of the motor for one turn of an axis behind a gear or belt that carries a weight, where no load is
+    /// measured: the detector then estimates the weight with the friction; found in the healthy traces if not given;
+    /// 0: no weight
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "TURNS", "x-shaft" = true)))]
     pub gear_ratio: Option<f64>,
