@@ -169,6 +169,7 @@ fn plans() {
         Layout::covariate_map_len(&layout),
         Layout::laws(&layout),
         Signal::mask(signal),
+        Load::measured(Load::of(opaque(Some(signal)))),
     ));
     let covariate = opaque(Covariate::BLANK);
     let departures = opaque([Covariate::departure(&covariate, opaque(FeatureValue::MISSING)); 2]);
@@ -344,7 +345,11 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
         let friction = &shaft.friction;
         opaque((Friction::parameter(friction, opaque(FrictionTerm::Offset)), ShaftEstimate::orders(shaft)));
         opaque([Friction::inertia_kg_m2(friction), Friction::viscous_nm_s_rad(friction)]);
-        opaque((Friction::coulomb_nm(friction), Friction::torque_constant_nm_a(friction)));
+        opaque((
+            Friction::coulomb_nm(friction),
+            Friction::torque_constant_nm_a(friction),
+            Friction::weight_a(friction),
+        ));
         if let Some(balance) = balance {
             opaque(TorqueBalance::without_prior(balance, friction, opaque(FrictionTerm::Drag)));
             opaque(TorqueBalance::part_of_rows(balance, friction, opaque(FrictionTerm::Drag)));
