@@ -63,8 +63,8 @@ const SECONDARY: [&str; 12] =
 const LABELS: [&str; 12] =
     ["label", "labels", "class", "klasse", "fault", "fehler", "state", "status", "id", "index", "sample", "target"];
 
-/// Parts of names of a power, and of what the motor gives, which are no load of the shaft.
-const NO_LOAD: [&str; 2] = ["power", "motor"];
+/// Parts of names of a power, of what the motor gives, and of a mass, which are no load of the shaft.
+const NO_LOAD: [&str; 3] = ["power", "motor", "payload"];
 /// Parts of names of the torque that a drive computes of its current: CiA 402 calls it the actual value.
 const OF_DRIVE: [&str; 4] = ["act", "actual", "ist", "istwert"];
 

@@ -198,10 +198,12 @@ impl Values {
         if count >= fewest(features) {
             return;
         }
-        // More classes need more features than a gate of few records allows. From healthy records with an angle
-        // training chooses as many features as their number allows.
-        let chosen = self.values.contains_key("angle") && classes.len() == 1;
-        match current.filter(|_| count >= fewest(2) && classes.len() < 3 && !chosen) {
+        // With an angle training chooses as many features as the number of records allows. More classes need more than
+        // a gate of few records does.
+        if self.values.contains_key("angle") && (classes.len() == 1 || classes.len() == 2 && count >= fewest(2)) {
+            return;
+        }
+        match current.filter(|_| count >= fewest(2) && classes.len() < 3) {
             Some(current) => {
                 let why = format!(
                     "{count} healthy {what} support a gate of two features; of {features}, {}. {UNTIL_A_BEARING}",

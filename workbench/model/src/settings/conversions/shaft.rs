@@ -37,6 +37,12 @@ impl Settings {
         plan.slip = self.bearing.slip.unwrap_or(SLIP);
         plan.cutoff_hz = model.balance_cutoff_hz.unwrap_or(plan.cutoff_hz);
         plan.axis = Axis::given(model.gear_ratio);
+        if plan.load && plan.axis.turns().is_some() {
+            return Err(Error::Usage(
+                "--gear-ratio is for an axis whose load is not measured: leave it out, or the channel of the load"
+                    .into(),
+            ));
+        }
         if self.bearing.harmonics.len() > plan.weights.len() {
             return Err(Error::Usage("--harmonics takes at most three weights".into()));
         }
