@@ -182,7 +182,7 @@ mod tests {
             let shaft = ShaftLayout { current, velocity: None, load, orders: 0, harmonics: 1, decimation: 1 };
             Layout { shaft: Some(shaft), ..Layout::EMPTY }
         };
-        let all = [Load::Unknown, Load::Measured(Signal::channel(0)), Load::Weight { axis_q32: 1 }];
+        let all = [Load::Unknown, Load::Measured(Signal::channel(0)), Load::Weight { axis_q32: 1, changes: true }];
         assert_eq!(all.map(|load| version(&with(load))), [11, 11, 12]);
         assert_eq!(version(&Layout::EMPTY), 11);
     }

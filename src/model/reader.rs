@@ -62,7 +62,7 @@ pub(super) fn read_layout(input: &mut Input<'_>) -> Result<Layout, Fault> {
         let load = match (measured(load), load.minus) {
             (Some(load), _) => Load::Measured(load),
             (None, None) => Load::Unknown,
-            (None, Some(WEIGHT)) => Load::Weight { axis_q32: input.u32() },
+            (None, Some(WEIGHT)) => Load::Weight { axis_q32: input.u32(), changes: input.flag(Field::Layout) },
             (None, Some(_)) => {
                 input.refuse(Fault::OutOfRange(Field::Layout));
                 Load::Unknown

@@ -119,10 +119,11 @@ const fn put_load(load: Load, output: &mut Output<'_>) {
     match load {
         Load::Unknown => put_signal(None, output),
         Load::Measured(signal) => put_signal(Some(signal), output),
-        Load::Weight { axis_q32 } => {
+        Load::Weight { axis_q32, changes } => {
             output.u8(NONE);
             output.u8(WEIGHT);
             output.u32(axis_q32);
+            output.u8(changes as u8);
         }
     }
 }

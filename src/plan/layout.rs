@@ -109,6 +109,8 @@ pub enum Load {
     Weight {
         /// Turns of the axis a turn of the motor, 2⁻³² turns.
         axis_q32: u32,
+        /// Whether its amplitude may change at each rest within a segment, as a payload does.
+        changes: bool,
     },
 }
 
@@ -130,12 +132,6 @@ impl Load {
             Self::Measured(signal) => Some(signal),
             Self::Unknown | Self::Weight { .. } => None,
         }
-    }
-
-    /// Whether the torque balance has terms for it.
-    #[inline(always)]
-    pub(crate) const fn has_terms(self) -> bool {
-        !matches!(self, Self::Unknown)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use core::f32::consts::TAU;
 
-use super::balance::{BalanceState, BalanceSums, Friction, TorqueBalance, Torques};
+use super::balance::{BalanceState, BalanceSums, Friction, Terms, TorqueBalance, Torques};
 use super::delays::{BEFORE, Delay, Delays, FILTERED_RING, Lags, RING, TAPS, half_band};
 use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking, phasor};
 use super::plausibility::{self, Usage};
@@ -87,7 +87,7 @@ impl<P: ShaftLengths> ShaftEstimate<P> {
             if self.opposed {
                 return Some(Implausible::Sign);
             }
-            let explained = sums.balance.explained(has_load(plan));
+            let explained = sums.balance.explained(terms(plan));
             plausibility::of_balance(&constants.balance, friction, explained)
         })
     }
@@ -154,7 +154,7 @@ impl<P: ShaftLengths> ShaftSums<P> {
     /// Nothing but the prior of the balance.
     pub(crate) fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
         Self {
-            balance: BalanceSums::new(&constants.balance, has_load(plan)),
+            balance: BalanceSums::new(&constants.balance, terms(plan)),
             orders: OrderSums::new(plan),
             usage: Usage::default(),
             travel: TravelSums::default(),
@@ -169,15 +169,15 @@ impl<P: ShaftLengths> ShaftSums<P> {
     /// Nothing but the prior again, in place, since new ones would be moved.
     #[inline(always)]
     pub(crate) fn clear(&mut self, plan: P, constants: &ShaftConstants<P>) {
-        self.balance.clear(&constants.balance, has_load(plan));
+        self.balance.clear(&constants.balance, terms(plan));
         self.orders.clear();
         (self.usage, self.travel) = (Usage::default(), TravelSums::default());
     }
 }
 
 #[inline(always)]
-fn has_load<P: ShaftLengths>(plan: P) -> bool {
-    plan.layout().shaft.is_some_and(|shaft| shaft.load.has_terms())
+fn terms<P: ShaftLengths>(plan: P) -> Terms {
+    plan.layout().shaft.map_or(Terms::Loadless, |shaft| Terms::of(shaft.load))
 }
 
 impl<P: ShaftLengths> Shaft<P> {
@@ -292,7 +292,7 @@ impl<P: ShaftLengths> Shaft<P> {
         let turned = angle.since(core::mem::replace(&mut self.angle, angle));
         let usage = &mut sums.usage;
         usage.seen = usage.seen.saturating_add(1);
-        let (balance, has_load) = (&constants.balance, layout.load.has_terms());
+        let balance = &constants.balance;
         self.turn_axis(layout.load, turned);
         if self.filling > 0 {
             self.travel.restart();
@@ -315,7 +315,7 @@ impl<P: ShaftLengths> Shaft<P> {
             self.travel.close_any(&mut sums.travel, slowest, interval_s);
         }
         let regressors = &balance.regressors(now, self.weight(layout.load));
-        self.balance.step(&mut sums.balance, (balance, has_load), now, regressors, clean);
+        self.balance.step(&mut sums.balance, (balance, Terms::of(layout.load)), now, regressors, clean);
         if layout.orders == 0 {
             return None;
         }
@@ -327,7 +327,7 @@ impl<P: ShaftLengths> Shaft<P> {
     /// Turns the axis of a weight with the motor.
     #[inline(always)]
     fn turn_axis(&mut self, load: Load, turned: i32) {
-        if let Load::Weight { axis_q32 } = load {
+        if let Load::Weight { axis_q32, .. } = load {
             self.axis = self.axis.plus(Angle::from_bits(of_axis(turned, axis_q32)));
         }
     }

@@ -114,7 +114,7 @@ fn each_byte_of_a_layout_has_its_place() {
 }
 
 #[test]
-fn a_weight_has_its_ratio_behind_the_load() {
+fn a_weight_has_its_ratio_and_whether_it_changes_behind_the_load() {
     let with = |minus: u8, ratio: &[u8]| [&LAYOUT[..22], &[minus], ratio, &LAYOUT[23..]].concat();
     let load = |bytes: &[u8]| {
         let mut input = Input::new(bytes);
@@ -122,7 +122,10 @@ fn a_weight_has_its_ratio_behind_the_load() {
         assert_eq!((input.array(), layout.classes), ([0xAA; 3], 3));
         Ok(layout.shaft.unwrap().load)
     };
-    assert_eq!(load(&with(0, &[4, 3, 2, 1])), Ok(Load::Weight { axis_q32: 0x0102_0304 }));
+    for (flag, changes) in [(0, false), (1, true)] {
+        assert_eq!(load(&with(0, &[4, 3, 2, 1, flag])), Ok(Load::Weight { axis_q32: 0x0102_0304, changes }));
+    }
+    assert_eq!(load(&with(0, &[4, 3, 2, 1, 2])), Err(Fault::OutOfRange(Field::Layout)));
     assert_eq!(load(&with(0xFF, &[])), Ok(Load::Unknown));
     for minus in [1, 2, 0xFE] {
         assert_eq!(load(&with(minus, &[])), Err(Fault::OutOfRange(Field::Layout)), "{minus}");

@@ -12,6 +12,6 @@ pub use friction::{Friction, LoadTerms, Parameter};
 pub use rows::{LEAST_FROM_ROWS, TERMS, TorqueBalance, Torques};
 pub use state_variable::StateVariable;
 pub(super) use {
-    rows::{BalanceState, BalanceSums, Regressors},
+    rows::{BalanceState, BalanceSums, Regressors, Terms},
     solve::Estimated,
 };

@@ -9,12 +9,15 @@
 //! p₀ = J/Kt,  p₁ = B/Kt,  p₂ = Tc/Kt,  p₃ = 1/Kt,  p₄: offsets,  p₅ = μ/Kt,  p₆ = (Ts − Tc)/Kt        (3)
 //! p₇ = p₂ + p₁ ω₀ + p₅ T₀ + p₆/(1 + (ω₀/ω_s)²),   the drag at a usual velocity ω₀ and load T₀         (4)
 //! p₃ cos ψ + p₅ sin ψ  instead of  p₃ T + p₅ |T| s,   W = √(p₃² + p₅²)                                (6)
+//! Λ⁻¹ ← Λ⁻¹ + v vᵀ,   v = (p₃, p₅)/2                                                                  (7)
 //! ```
 //!
 //! p₅ is friction in proportion to the load (μ = 1/η − 1 of a screw of efficiency η), p₆ the Stribeck part of friction:
 //! the excess of break-away friction Ts over sliding friction Tc. A weight on an axis behind a gear or belt is a sine
 //! of the axis' angle ψ, which the motor knows but for where it started: (6) is the load of such a plan, of unknown
-//! amplitude W and phase. All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of
+//! amplitude W and phase. If the payload changes within a segment, the weight may have changed by half of itself behind
+//! each rest (7): Λ is the information on p₃ and p₅ given the other terms, which keep theirs. Rows at rest, where a brake
+//! or dry friction may carry the weight, are then left out. All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of
 //! the *measured* velocity: under a fluctuating load the velocity reverses when the reference does not, and friction
 //! follows the velocity. The current is the output because the load is usually known better; therefore all parameters
 //! are in amperes.
@@ -40,6 +43,7 @@
 
 use super::friction::{Friction, Parameter};
 use super::state_variable::{Cell, StateVariable};
+use crate::plan::Load;
 use crate::reason::FrictionTerm;
 use crate::record::{LONGEST_S, record};
 use crate::regression::factor::NEVER;
@@ -56,9 +60,75 @@ const ROWS_A_REFRESH: u8 = 16;
 const AT_REST: f32 = 0.04;
 /// Least c of (5): a smaller one consists of rounding errors.
 pub const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
-/// The terms of (1) in a plan without a load.
-const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
-const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];
+/// Filtered velocity of a shaft that rests before its next move, in parts of the usual one, and rows that are so. A
+/// controller that holds a weight lets it drift.
+const RESTING: f32 = 0.15;
+const RESTING_ROWS: u8 = 3;
+/// Deviation of what a rest adds to the weight, in parts of the weight.
+const PAYLOAD: f32 = 0.5;
+
+/// The terms of (1) that a plan estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::shaft) enum Terms {
+    /// Those without a load.
+    Loadless,
+    /// All.
+    Measured,
+    /// Those of (6), first, so that [`BalanceSums::loosen`] finds them in the first rows of the factor.
+    Weight {
+        /// Whether (7) is for each rest.
+        changes: bool,
+    },
+}
+
+impl Terms {
+    #[inline(always)]
+    pub(in crate::shaft) const fn of(load: Load) -> Self {
+        match load {
+            Load::Unknown => Self::Loadless,
+            Load::Measured(_) => Self::Measured,
+            Load::Weight { changes, .. } => Self::Weight { changes },
+        }
+    }
+
+    /// Indices in p₀ … p₆, in the order of the columns.
+    #[inline(always)]
+    pub(in crate::shaft) const fn list(self) -> &'static [usize] {
+        match self {
+            Self::Loadless => &[0, 1, 2, 4, 6],
+            Self::Measured => &[0, 1, 2, 3, 4, 5, 6],
+            Self::Weight { .. } => &[3, 5, 0, 1, 2, 4, 6],
+        }
+    }
+
+    /// The column of a term: that of a term without a column is another one's.
+    #[inline(always)]
+    pub(in crate::shaft) const fn column(self, term: FrictionTerm) -> usize {
+        let [loadless, weight] = match term {
+            FrictionTerm::Inertia => [0, 2],
+            FrictionTerm::Viscous => [1, 3],
+            FrictionTerm::Coulomb => [2, 4],
+            FrictionTerm::InverseTorqueConstant => [0, 0],
+            FrictionTerm::Offset => [3, 5],
+            FrictionTerm::LoadFriction => [0, 1],
+            FrictionTerm::Stribeck | FrictionTerm::Drag => [4, 6],
+        };
+        match self {
+            Self::Loadless => loadless,
+            Self::Measured => term as usize,
+            Self::Weight { .. } => weight,
+        }
+    }
+
+    /// Number of columns, with that of the current.
+    #[inline(always)]
+    pub(in crate::shaft) const fn columns(self) -> usize {
+        match self {
+            Self::Loadless => 6,
+            Self::Measured | Self::Weight { .. } => COLUMNS,
+        }
+    }
+}
 
 record! {
     /// Constants of the torque balance.
@@ -179,12 +249,6 @@ impl TorqueBalance {
         Regressors { sign, stribeck: sign / (1.0 + ratio * ratio), load }
     }
 
-    /// The terms that a plan estimates, in the order of the columns.
-    #[inline(always)]
-    pub(in crate::shaft) const fn terms(load: bool) -> &'static [usize] {
-        if load { &WITH_LOAD } else { &WITHOUT_LOAD }
-    }
-
     /// The coefficient of each of p₀ … p₆ in the drag (4).
     pub(in crate::shaft) fn in_drag(&self) -> [f32; TERMS] {
         let ratio = self.usual_velocity_rad_s / self.stribeck_velocity_rad_s;
@@ -211,9 +275,9 @@ pub struct BalanceSums {
 
 impl BalanceSums {
     /// Holds the prior only.
-    pub(in crate::shaft) fn new(balance: &TorqueBalance, load: bool) -> Self {
+    pub(in crate::shaft) fn new(balance: &TorqueBalance, terms: Terms) -> Self {
         let mut sums = Self::EMPTY;
-        sums.clear(balance, load);
+        sums.clear(balance, terms);
         sums
     }
 
@@ -222,18 +286,18 @@ impl BalanceSums {
 
     /// Keeps the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
     #[inline(never)]
-    pub(in crate::shaft) fn clear(&mut self, balance: &TorqueBalance, load: bool) {
+    pub(in crate::shaft) fn clear(&mut self, balance: &TorqueBalance, terms: Terms) {
         *self = Self::EMPTY;
-        let (terms, target) = (no_unroll(TorqueBalance::terms(load)), balance.scale_of(TERMS));
+        let target = balance.scale_of(TERMS);
         let mut k = 0_usize;
-        for &term in terms {
+        for &term in no_unroll(terms.list()) {
             let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
             let scale = balance.scale_of(term);
             let ratio = balance.deviation * scale / at(&balance.prior);
             if let Some(d) = self.d.get_mut(k) {
                 *d = balance.row_spread * ratio * ratio;
             }
-            let columns = columns(load);
+            let columns = terms.columns();
             if let Some(r) = self.r.get_mut(packed(columns, k, columns.wrapping_sub(1))) {
                 *r = at(&balance.nominal) * target / scale;
             }
@@ -249,13 +313,13 @@ impl BalanceSums {
 
     /// Rotates in the next pivot; returns whether one was left.
     #[inline(always)]
-    pub(in crate::shaft) fn rotate(&mut self, load: bool) -> bool {
-        self.rotate_by(load, |d, r, x, later, weight| rotate_pivot::<false>(d, r, x, later, weight, NEVER))
+    pub(in crate::shaft) fn rotate(&mut self, terms: Terms) -> bool {
+        self.rotate_by(terms, |d, r, x, later, weight| rotate_pivot::<false>(d, r, x, later, weight, NEVER))
     }
 
     #[inline(always)]
-    fn rotate_by(&mut self, load: bool, pivot: impl Fn(&mut f32, &mut [f32], f32, &mut [f32], &mut f32)) -> bool {
-        let (i, columns) = (self.pivot, columns(load));
+    fn rotate_by(&mut self, terms: Terms, pivot: impl Fn(&mut f32, &mut [f32], f32, &mut [f32], &mut f32)) -> bool {
+        let (i, columns) = (self.pivot, terms.columns());
         if i >= columns {
             return false;
         }
@@ -271,14 +335,14 @@ impl BalanceSums {
 
     /// Rotates in the next pivot by small code; returns whether one was left.
     #[inline(never)]
-    pub(in crate::shaft) fn rotate_small(&mut self, load: bool) -> bool {
-        self.rotate_by(load, rotate_pivot_small)
+    pub(in crate::shaft) fn rotate_small(&mut self, terms: Terms) -> bool {
+        self.rotate_by(terms, rotate_pivot_small)
     }
 
     /// Sum of squares of the target that the terms and the prior explain, relative to that of the residual.
     #[inline(never)]
-    pub(in crate::shaft) fn explained(&self, load: bool) -> f32 {
-        let last = columns(load).wrapping_sub(1);
+    pub(in crate::shaft) fn explained(&self, terms: Terms) -> f32 {
+        let last = terms.columns().wrapping_sub(1);
         // r is stored by rows, each one element shorter than the one before: these are the last ones.
         let (mut k, mut index, mut sum) = (0_usize, last, 0.0);
         while k < last {
@@ -294,18 +358,38 @@ impl BalanceSums {
     /// Whether the shaft hardly moved: the mean square of the filtered sign (2) of the velocity over the rows is below
     /// that of a fifth of `ω_r`, which is more than the noise of the velocity leaves of it behind the filter.
     #[inline(never)]
-    pub(in crate::shaft) fn is_at_rest(&self, balance: &TorqueBalance, load: bool) -> bool {
-        const SIGN: usize = 2;
-        let columns = columns(load);
+    pub(in crate::shaft) fn is_at_rest(&self, balance: &TorqueBalance, terms: Terms) -> bool {
+        const SIGN: usize = FrictionTerm::Coulomb as usize;
+        let (columns, sign) = (terms.columns(), terms.column(FrictionTerm::Coulomb));
         // The sum of squares of a column by the factor, less the weight of its prior.
-        let above = |k: usize| {
-            let r = self.r.get(packed(columns, k, SIGN)).copied().unwrap_or(0.0);
-            self.d.get(k).copied().unwrap_or(0.0) * r * r
-        };
+        let mut sum = 0.0;
+        for k in 0..sign {
+            let r = self.r.get(packed(columns, k, sign)).copied().unwrap_or(0.0);
+            sum += self.d.get(k).copied().unwrap_or(0.0) * r * r;
+        }
         let scale = balance.scale_of(SIGN);
         let ratio = balance.deviation * scale / balance.prior.get(SIGN).copied().unwrap_or(1.0);
-        let own = self.d.get(SIGN).copied().unwrap_or(0.0) - balance.row_spread * ratio * ratio;
-        above(0) + above(1) + own < AT_REST * scale * scale * self.rows as f32
+        let own = self.d.get(sign).copied().unwrap_or(0.0) - balance.row_spread * ratio * ratio;
+        sum + own < AT_REST * scale * scale * self.rows as f32
+    }
+
+    /// Lets the weight change along `by`, the deviation of the change of both its parameters: (7), where the first two
+    /// rows of the factor hold what is known of the weight given the other terms.
+    #[inline(never)]
+    fn loosen(&mut self, by: [f32; 2]) {
+        let ([d0, d1, ..], [r01, ..]) = (&mut self.d, &self.r);
+        let u = [by[0] + r01 * by[1], by[1]];
+        let kept = 1.0 / (1.0 + *d1 * u[1] * u[1]);
+        let rho = -u[0] * u[1] * *d1 * kept;
+        *d0 /= 1.0 + *d0 * u[0] * u[0] * kept;
+        *d1 *= kept;
+        // Row 1 starts one column later; its own diagonal is 1.
+        if let Some((first, second)) = self.r.split_at_mut_checked(COLUMNS - 1)
+            && let Some((own, rest)) = first.split_first_mut()
+        {
+            *own += rho;
+            pairs(rest, &*second).for_each(|(own, later)| *own += rho * later);
+        }
     }
 
     /// Scaled parameter k by back substitution; `later` holds those after it.
@@ -315,11 +399,6 @@ impl BalanceSums {
         let target = row.get(later.len()).copied().unwrap_or(0.0);
         pairs(row, later).fold(target, |rest, (r, p)| rest - r * p)
     }
-}
-
-#[inline(always)]
-pub(in crate::shaft) const fn columns(load: bool) -> usize {
-    if load { COLUMNS } else { WITHOUT_LOAD.len() + 1 }
 }
 
 /// Running state.
@@ -337,6 +416,8 @@ pub struct BalanceState {
     pivots: u8,
     /// Rows until the next back substitution.
     refresh: u8,
+    /// Rows in a row at rest, of a plan with a weight that changes.
+    resting: u8,
     /// Parameters left in the present back substitution.
     left: usize,
     /// Its scaled parameters.
@@ -357,6 +438,7 @@ impl BalanceState {
             due: 0,
             pivots: 8_u8.div_ceil(balance.row_interval.max(1)),
             refresh: ROWS_A_REFRESH,
+            resting: 0,
             left: 0,
             scaled: [0.0; TERMS],
             present: balance.nominal,
@@ -381,7 +463,7 @@ impl BalanceState {
     pub(in crate::shaft) fn step(
         &mut self,
         sums: &mut BalanceSums,
-        (balance, load): (&TorqueBalance, bool),
+        (balance, terms): (&TorqueBalance, Terms),
         now: &Torques,
         regressors: &Regressors,
         good: bool,
@@ -391,17 +473,17 @@ impl BalanceState {
         let (w, slope) = self.velocity.step(bank, now.velocity_rad_s);
         let (s, _) = self.sign.step(bank, regressors.sign);
         let (b, _) = self.stribeck.step(bank, regressors.stribeck);
-        let (t, q) = if load {
+        let (t, q) = if terms != Terms::Loadless {
             let ([first, second], [t, q]) = (&mut self.load, regressors.load);
             (first.step(bank, t).0, second.step(bank, q).0)
         } else {
             (0.0, 0.0)
         };
         if self.left > 0 {
-            self.substitute(sums, balance, load);
+            self.substitute(sums, balance, terms);
         }
         for _ in 0..self.pivots {
-            if !sums.rotate(load) {
+            if !sums.rotate(terms) {
                 break;
             }
         }
@@ -414,30 +496,50 @@ impl BalanceState {
         if self.refresh == 0 {
             self.refresh = ROWS_A_REFRESH;
             if sums.rows >= u32::from(balance.adapt_after_rows) && balance.adapt_after_rows < u16::MAX {
-                self.left = columns(load).wrapping_sub(1);
+                self.left = terms.columns().wrapping_sub(1);
             }
-        } else if good {
+        } else if good && !(terms == (Terms::Weight { changes: true }) && self.rests(sums, balance, w)) {
             let [k0, k1, k2, k3, k4, k5, k6, k7] = balance.scale;
             let (a, w, s, b, i) = (slope * bank.rate_per_s * k0, w * k1, s * k2, b * k6, i * k7);
-            let row = if load { [a, w, s, t * k3, k4, q * k5, b, i] } else { [a, w, s, k4, b, i, 0.0, 0.0] };
-            sums.start(row);
+            sums.start(match terms {
+                Terms::Loadless => [a, w, s, k4, b, i, 0.0, 0.0],
+                Terms::Measured => [a, w, s, t * k3, k4, q * k5, b, i],
+                Terms::Weight { .. } => [t * k3, q * k5, a, w, s, k4, b, i],
+            });
             sums.rows = sums.rows.saturating_add(1);
         }
     }
 
+    /// Whether the shaft rests by its filtered velocity. The first row behind it finds the weight loosened.
+    #[inline(never)]
+    fn rests(&mut self, sums: &mut BalanceSums, balance: &TorqueBalance, velocity_rad_s: f32) -> bool {
+        let rested = self.resting >= RESTING_ROWS;
+        if velocity_rad_s.abs() < RESTING * balance.usual_velocity_rad_s {
+            self.resting = self.resting.saturating_add(1);
+            return rested;
+        }
+        self.resting = 0;
+        if rested {
+            let [_, _, _, cos, _, sin, _] = self.present;
+            let unit = PAYLOAD / (balance.deviation * libm::sqrtf(balance.row_spread));
+            sums.loosen([unit * cos / balance.scale_of(3), unit * sin / balance.scale_of(5)]);
+        }
+        false
+    }
+
     /// A parameter of the back substitution, or more where rows are close; with the last one they hold.
     #[inline(never)]
-    fn substitute(&mut self, sums: &BalanceSums, balance: &TorqueBalance, load: bool) {
+    fn substitute(&mut self, sums: &BalanceSums, balance: &TorqueBalance, terms: Terms) {
         for _ in 0..self.pivots {
             if self.left > 0 {
-                self.substitute_one(sums, balance, load);
+                self.substitute_one(sums, balance, terms);
             }
         }
     }
 
     #[inline(always)]
-    fn substitute_one(&mut self, sums: &BalanceSums, balance: &TorqueBalance, load: bool) {
-        let (columns, terms) = (columns(load), TorqueBalance::terms(load));
+    fn substitute_one(&mut self, sums: &BalanceSums, balance: &TorqueBalance, terms: Terms) {
+        let (columns, terms) = (terms.columns(), terms.list());
         let k = self.left.wrapping_sub(1);
         let value = sums.substitute(columns, k, self.scaled.get(self.left..terms.len()).unwrap_or(&[]));
         if let Some(cell) = self.scaled.get_mut(k) {

@@ -106,7 +106,7 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: Load::Weight { axis_q32: 85_899_346 },
+            load: Load::Weight { axis_q32: 85_899_346, changes: false },
             orders: 1,
             harmonics: 1,
             decimation: 1,

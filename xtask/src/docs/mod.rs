@@ -50,7 +50,7 @@ const QUICK: [&str; 7] = ["target", "demo", "instruments", "faults", "summary", 
 
 /// All sources, in the order in which they run.
 #[rustfmt::skip]
-const SOURCES: [Source; 26] = [
+const SOURCES: [Source; 27] = [
     ("target", "book/src/target.md", Figures),
     ("demo", "book/src/introduction.md", Tests("system", "standard_rig::twenty_draws")),
     ("instruments", "book/src/mathematics.md", Tests("system", "instruments_model::noise_in_the_field")),
@@ -62,6 +62,11 @@ const SOURCES: [Source; 26] = [
     )),
     ("field-default", "docs/field.md", Study("campaign --field --default --draws 2", "")),
     ("field-axes", "docs/field.md", Study("campaign --field --default --only axes --draws 5", "")),
+    ("field-runs", "docs/field.md", Study(
+        "campaign --field --default --only axis-cycle-steps,axis-any-cycle-steps,no-load-sensor --draws 1 \
+         --together 12 --healthy 100 --defects 20",
+        "",
+    )),
     ("field-limits", "docs/field.md", Study("campaign --field --limits", "")),
     ("delay", "docs/alarm.md", Study("campaign --field --delay --draws 1", "")),
     ("lasting", "docs/alarm.md", Tests("system", "lasting::lasting_offsets_of")),

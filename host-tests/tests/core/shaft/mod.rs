@@ -108,9 +108,9 @@ fn estimates_are_those_of_the_oracle() {
 }
 
 /// The same model with a weight on an axis, by so many turns of the motor for one of the axis.
-fn weighing(model: &Model<RunTime>, turns: f64) -> Model<RunTime> {
+fn weighing(model: &Model<RunTime>, turns: f64, changes: bool) -> Model<RunTime> {
     let layout = model.plan().layout();
-    let load = Load::Weight { axis_q32: (4_294_967_296.0 / turns) as u32 };
+    let load = Load::Weight { axis_q32: (4_294_967_296.0 / turns) as u32, changes };
     let plan = RunTime::of(Layout { shaft: layout.shaft.map(|shaft| ShaftLayout { load, ..shaft }), ..layout });
     let mut constants = model.constants().clone();
     for ShaftConstants { balance, .. } in &mut constants.shaft {
@@ -134,7 +134,10 @@ fn a_weight_on_an_axis_is_that_of_the_oracle() {
             motion.current_a += (torque - 20.0 * f64::from(motion.load_nm)) as f32;
             motion.load_nm = 0.0;
         }
-        let model = weighing(&model(lag(0.7), false, OPEN), turns);
+        let steady = model(lag(0.7), false, OPEN);
+        let changing = weighing(&steady, turns, true);
+        compare(&changing, &own, &format!("one turn in {turns}, may change"));
+        let model = weighing(&steady, turns, false);
         compare(&model, &own, &format!("one turn in {turns}"));
         let (weight, deviation) = run(&model, &own).shaft().expect("watched").friction.weight_a().expect("a weight");
         // Over a part of a turn the weight is hardly told from the offset.

@@ -101,6 +101,8 @@ struct Signals {
     angle: Vec<u32>,
     /// Whether t and |T| s are cosine and sine of the angle of an axis, whose phase is only known of its rows.
     weighs: bool,
+    /// Whether the weight changes at rests.
+    changes: bool,
 }
 
 impl Signals {
@@ -118,8 +120,8 @@ impl Signals {
         let loaded = t.iter().zip(&s).map(|(t, s)| t.abs() * s).collect();
         let square = |w: f64| (w / f64::from(balance.stribeck_velocity_rad_s)).powi(2);
         let stribeck = w.iter().zip(&s).map(|(w, s)| s / (1.0 + square(*w))).collect();
-        let plain = Self { i, w, t, frictions: [s, loaded, stribeck], angle, weighs: false };
-        let Load::Weight { axis_q32 } = load else { return plain };
+        let plain = Self { i, w, t, frictions: [s, loaded, stribeck], angle, weighs: false, changes: false };
+        let Load::Weight { axis_q32, changes } = load else { return plain };
         let ratio = f64::from(axis_q32) / TURN;
         let mut turns = 0.0;
         let axis = plain.angle.iter().scan(plain.angle[0], |last, angle| {
@@ -129,7 +131,7 @@ impl Signals {
         });
         let (cos, sin): (Vec<f64>, Vec<f64>) = axis.map(|angle| (angle.cos(), angle.sin())).unzip();
         let [s, _, stribeck] = plain.frictions;
-        Self { t: cos, frictions: [s, sin, stribeck], weighs: true, ..plain }
+        Self { t: cos, frictions: [s, sin, stribeck], weighs: true, changes, ..plain }
     }
 }
 
@@ -170,6 +172,16 @@ impl Squares {
         self.right += x * y;
         self.square += y * y;
         self.rows += 1;
+    }
+
+    /// Lets the parameters change along a vector by an unknown part of it, 0 ± 1 beside rows of deviation 1, for which
+    /// the sum of squares is least.
+    fn loosen(&mut self, by: &DVector<f64>) {
+        let pulled = &self.gram * by;
+        let (scale, along) = (1.0 + by.dot(&pulled), by.dot(&self.right));
+        self.right -= &pulled * (along / scale);
+        self.square -= along * along / scale;
+        self.gram -= &pulled * pulled.transpose() / scale;
     }
 
     /// Parameters, inverse of the normal equations, sum of squares of the residual.
@@ -235,6 +247,7 @@ fn rows(balance: &TorqueBalance, terms: &[usize], signals: &Signals) -> (Squares
     let mut now = balance.nominal.map(f64::from);
     let (mut next, mut present) = (None, Vec::new());
     let first = 1 + balance.settle as usize;
+    let (slow, mut resting) = (0.15 * f64::from(balance.usual_velocity_rad_s), 0);
     for k in 0..i.len() {
         if let Some((from, p)) = next
             && k == from
@@ -247,6 +260,17 @@ fn rows(balance: &TorqueBalance, terms: &[usize], signals: &Signals) -> (Squares
         }
         let slot = (k - first) / balance.row_interval as usize + 1;
         if !slot.is_multiple_of(REFRESH) {
+            if signals.changes && fw[k].abs() < slow {
+                resting += 1;
+                if resting > 3 {
+                    continue;
+                }
+            } else if core::mem::take(&mut resting) >= 3 {
+                // Half of the weight is a deviation of its change.
+                let unit = 0.5 / (f64::from(balance.deviation) * f64::from(balance.row_spread).sqrt());
+                let of = |term: &usize| if [3, 5].contains(term) { unit * now[*term] } else { 0.0 };
+                squares.loosen(&DVector::from_iterator(terms.len(), terms.iter().map(of)));
+            }
             squares.add(&DVector::from_iterator(terms.len(), terms.iter().map(|&term| columns[term][k])), fi[k]);
         } else if balance.adapt_after_rows < u16::MAX && squares.rows >= usize::from(balance.adapt_after_rows) {
             let mut p = now;
@@ -267,7 +291,7 @@ fn path(
     present: &[[f64; TERMS]],
 ) -> Path {
     let ShaftConstants { balance, tracking, .. } = constants;
-    let Signals { i, w, t, frictions: [s, loaded, stribeck], angle, weighs } = signals;
+    let Signals { i, w, t, frictions: [s, loaded, stribeck], angle, weighs, .. } = signals;
     let (ts, slowest) = (f64::from(balance.interval_s), f64::from(tracking.blocks.slowest_rad_s));
     let e = |k: usize| {
         let p = &present[k];

@@ -200,7 +200,7 @@ fn every_part_and_any_of_them_together_can_be_simulated() {
 }
 
 #[test]
-fn the_conditions_of_axes_differ_by_weight_ratio_and_duty_only() {
+fn the_conditions_of_axes_differ_by_axis_and_duty_only() {
     for (k, condition) in (0..).zip(Condition::AXES) {
         assert_eq!(condition.number, 44 + k);
         let scenario = condition.apply(Scenario::STANDARD, 7);

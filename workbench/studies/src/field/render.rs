@@ -97,9 +97,13 @@ fn counted_as_error(tallies: &[Tally]) -> Vec<Tally> {
 #[must_use]
 pub fn text(findings: &[Findings], settings: &Settings) -> String {
     let Settings { draws, healthy_training, healthy, defects_training, .. } = settings;
+    let judged = match settings.together {
+        1 => "records".into(),
+        together => format!("runs of {together} records"),
+    };
     let title = format!(
         "{} {healthy_training} healthy records at {} %: detected, % [95 % interval]; {draws} draws of {healthy} \
-         healthy records and {} of each defect; features {}",
+         healthy {judged} and {} of each defect; features {}",
         if settings.default { "Default gate of" } else { "Gate of" },
         100.0 * FALSE_ALARM,
         settings.defects,

@@ -7,7 +7,7 @@ use super::tally::Tally;
 use crate::campaign::run::{class_names, labelled, traces};
 use crate::campaign::{Recording, map_traces};
 use model::Error;
-use model::core::{Embedded, Finding};
+use model::core::{Embedded, Finding, SegmentReport};
 use model::trace::labels::LabelledTrace;
 use model::train::{Recipe, train};
 use rig::{Defect, DefectKind, Scenario};
@@ -41,10 +41,14 @@ pub fn draw(row: &Row, draw: u32, settings: &Settings) -> Result<Draw, Error> {
         return Ok(Draw { gate: gate.map(|_| vec![]), classes: classes.map(|own| own.map(|_| vec![])) });
     }
     let mut judged: Vec<(Defect, Vec<Outcome>)> = Vec::new();
+    let detectors = (&gate, classes.as_ref());
     for defect in row.judged_defects() {
         let cell = row.validation(draw, defect);
-        let each = |recording: Recording| Ok(outcome(recording, (&gate, classes.as_ref())));
-        judged.push((defect, map_traces(&Scenario::WITH_RESOLVER, &[cell], settings.judged(defect.kind), each)?));
+        let of_record = |recording: Recording| Ok(segments(recording, detectors));
+        let count = settings.judged(defect.kind) * settings.together;
+        let records = map_traces(&Scenario::WITH_RESOLVER, &[cell], count, of_record)?;
+        let runs = records.chunks(settings.together as usize);
+        judged.push((defect, runs.map(|run| outcome(run, defect, detectors)).collect()));
     }
     let of = |defect: Defect| judged.iter().filter(move |(own, _)| *own == defect).flat_map(|(_, outcomes)| outcomes);
     let detected = || COLUMNS.map(|defect| Tally::of(of(defect).map(|own| own.detected))).to_vec();
@@ -89,13 +93,22 @@ fn detectors(row: &Row, draw: u32, settings: &Settings) -> Result<(Trained, Opti
     Ok((gate, Some(trained(&set, &classes, own))))
 }
 
-/// Runs the detectors over one record.
-fn outcome(recording: Recording, (gate, classes): (&Trained, Option<&Trained>)) -> Outcome {
-    let truth = CLASSES.iter().position(|kind| *kind == recording.cell.defect.kind);
+/// Runs gate and discriminant over one record.
+fn segments(recording: Recording, (gate, classes): (&Trained, Option<&Trained>)) -> [Vec<SegmentReport>; 2] {
     let record = labelled(recording, 0).trace;
-    let decided = |detector: &Embedded| detector.combine(&detector.run(&record));
-    let detected = gate.as_ref().ok().and_then(decided).map(|(finding, _)| finding != Finding::Class(0));
-    let wrong = classes.and_then(|own| own.as_ref().ok()).and_then(decided).map(|(_, posteriors)| {
+    let run = |detector: &Trained| detector.as_ref().map_or(vec![], |detector| detector.run(&record));
+    [run(gate), classes.map_or(vec![], run)]
+}
+
+/// What gate and discriminant say of the records of one run.
+fn outcome(run: &[[Vec<SegmentReport>; 2]], defect: Defect, (gate, classes): (&Trained, Option<&Trained>)) -> Outcome {
+    let truth = CLASSES.iter().position(|kind| *kind == defect.kind);
+    let decided = |detector: Option<&Trained>, of: usize| {
+        let together: Vec<SegmentReport> = run.iter().flat_map(|record| record[of].clone()).collect();
+        detector?.as_ref().ok()?.combine(&together)
+    };
+    let detected = decided(Some(gate), 0).map(|(finding, _)| finding != Finding::Class(0));
+    let wrong = decided(classes, 1).map(|(_, posteriors)| {
         let most_plausible = (0..posteriors.len()).max_by(|&i, &j| posteriors[i].total_cmp(&posteriors[j]));
         most_plausible != truth
     });

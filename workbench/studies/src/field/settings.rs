@@ -17,6 +17,8 @@ pub struct Settings {
     pub healthy: u32,
     /// Number of validation records of each defect and size.
     pub defects: u32,
+    /// Number of records that are judged together, those of one run.
+    pub together: u32,
     /// Features of the detector; those of [`recipe`](super::recipe) if empty.
     pub features: Vec<String>,
     /// Whether the program chooses them, as it does for a user who names none.
@@ -34,6 +36,7 @@ impl Settings {
             defects_training: 60,
             healthy: 300,
             defects: 60,
+            together: 1,
             features: vec![],
             default: false,
         }

@@ -84,6 +84,10 @@ pub(crate) struct Args {
     #[arg(default_value_t = field::Settings::standard(0, 0).defects)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     defects: u32,
+    /// Records of the field that are judged together, as those of one run
+    #[arg(long, value_name = "N", requires = "field", conflicts_with_all = ["limits", "delay", "growth"])]
+    #[arg(default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
+    together: u32,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -154,6 +158,7 @@ fn run_field(args: &Args, output: Output) -> Result<(), Error> {
         default: args.default,
         healthy: args.healthy,
         defects: args.defects,
+        together: args.together,
         ..field::Settings::standard(args.repetitions, args.first)
     };
     if args.limits {

@@ -11,8 +11,8 @@ pub enum Axis {
     Find,
     /// It carries no weight.
     None,
-    /// It carries one, by so many turns of the motor for one of the axis.
-    Turns(f64),
+    /// It carries one, by so many turns of the motor for one of the axis; of a trained plan, whether it changes.
+    Turns(f64, bool),
     /// The weight in the healthy traces.
     Carries(Weight),
 }
@@ -28,6 +28,8 @@ pub struct Weight {
     pub explained: f64,
     /// Its amplitude in the median record, A.
     pub amplitude_a: f64,
+    /// Whether it changes from one rest to the next within a record.
+    pub changes: bool,
     /// Another R that explains far more.
     pub better: Option<f64>,
 }
@@ -42,7 +44,7 @@ impl Axis {
         match turns {
             None => Self::Find,
             Some(0.0) => Self::None,
-            Some(turns) => Self::Turns(turns),
+            Some(turns) => Self::Turns(turns, false),
         }
     }
 
@@ -50,31 +52,31 @@ impl Axis {
     #[must_use]
     pub fn of(load: Load) -> Self {
         match load {
-            Load::Weight { axis_q32 } => Self::Turns(TURN / f64::from(axis_q32)),
+            Load::Weight { axis_q32, changes } => Self::Turns(TURN / f64::from(axis_q32), changes),
             Load::Unknown | Load::Measured(_) => Self::None,
         }
     }
 
     /// The load of a plan with this signal, if it is measured.
     pub(crate) fn load(self, measured: Option<Signal>) -> Load {
-        let turns = match self {
-            Self::Turns(turns) | Self::Carries(Weight { turns, .. }) => turns,
+        let (turns, changes) = match self {
+            Self::Turns(turns, changes) | Self::Carries(Weight { turns, changes, .. }) => (turns, changes),
             Self::Find | Self::None => return Load::of(measured),
         };
         let axis_q32 = (TURN / turns).round() as u32;
-        measured.map_or(Load::Weight { axis_q32 }, Load::Measured)
+        measured.map_or(Load::Weight { axis_q32, changes }, Load::Measured)
     }
 
     /// Whether a plan with it has a weight.
     pub(crate) fn weighs(self) -> bool {
-        matches!(self, Self::Turns(_) | Self::Carries(_))
+        matches!(self, Self::Turns(..) | Self::Carries(_))
     }
 
     /// R, if the axis carries a weight.
     #[must_use]
     pub fn turns(self) -> Option<f64> {
         match self {
-            Self::Turns(turns) | Self::Carries(Weight { turns, .. }) => Some(turns),
+            Self::Turns(turns, _) | Self::Carries(Weight { turns, .. }) => Some(turns),
             Self::Find | Self::None => None,
         }
     }
@@ -84,21 +86,23 @@ impl Weight {
     /// As JSON.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let Self { turns, given, explained, amplitude_a, better } = self;
+        let Self { turns, given, explained, amplitude_a, changes, better } = self;
         json!({
-            "turns": turns, "given": given, "explained": explained, "amplitude_a": amplitude_a, "better_turns": better,
+            "turns": turns, "given": given, "explained": explained, "amplitude_a": amplitude_a, "changes": changes,
+            "better_turns": better,
         })
     }
 
     /// What the weight explains, in words.
     #[must_use]
     pub fn words(&self) -> String {
-        let Self { turns, given, explained, amplitude_a, .. } = *self;
+        let Self { turns, given, explained, amplitude_a, changes, .. } = *self;
         let by = if given { "as given" } else { "by the period of the current over the angle" };
         format!(
             "no load is measured, but a weight on an axis of one turn in {turns:.1} of the motor ({by}) explains {:.0} % \
-             of the current that the motion leaves, {amplitude_a:.2e} A: the detector estimates it in each segment",
-            100.0 * explained
+             of the current that the motion leaves, {amplitude_a:.2e} A: the detector estimates it {}",
+            100.0 * explained,
+            if changes { "anew behind each rest, since it changes there" } else { "in each segment" }
         )
     }
 

@@ -14,6 +14,10 @@ pub(crate) type Rates = (f64, u8);
 /// Number of columns of a velocity.
 pub(crate) const COLUMNS: usize = 4;
 
+/// Filtered velocity of a rest, in parts of the usual one, and rows from which it is one.
+const RESTING: f64 = 0.15;
+const RESTING_ROWS: usize = 3;
+
 /// The filter of the core's torque balance, over whole records.
 pub(crate) struct Filtered<'a> {
     balance: &'a TorqueBalance,
@@ -50,6 +54,25 @@ impl<'a> Filtered<'a> {
     pub(crate) fn rows(&self, length: usize) -> impl Iterator<Item = usize> + use<> {
         let samples = |steps: u16| usize::from(steps) * self.decimation;
         (samples(self.balance.settle)..length).step_by(samples(self.balance.row_interval.into()).max(1))
+    }
+}
+
+impl Filtered<'_> {
+    /// The rows between rests, as the core finds rests by its filtered velocity.
+    pub(crate) fn stretches(&self, velocity: &[f64], rows: &[usize]) -> Vec<Vec<usize>> {
+        let slowest = RESTING * f64::from(self.balance.usual_velocity_rad_s);
+        let (mut stretches, mut resting) = (vec![vec![]], 0);
+        for &row in rows {
+            resting = if velocity[row].abs() < slowest { resting + 1 } else { 0 };
+            if resting == RESTING_ROWS {
+                stretches.push(vec![]);
+            }
+            if let (true, Some(stretch)) = (resting < RESTING_ROWS, stretches.last_mut()) {
+                stretch.push(row);
+            }
+        }
+        stretches.retain(|own| !own.is_empty());
+        stretches
     }
 }
 
