@@ -24,6 +24,10 @@ need() {
     compiler) title="Debian's compiler for chips" packages="rustc-web cargo-web rust-web-src lld-19" \
         programs="usr/bin/rustc usr/bin/rustdoc usr/bin/cargo usr/bin/ld.lld-19" \
         elsewhere="rustup target add thumbv7em-none-eabihf" ;;
+    # Linker, C compiler and C library for WebAssembly, beside the compiler.
+    wasm) title="linker and C compiler for WebAssembly" packages="lld-19 clang-19 wasi-libc" \
+        programs="usr/bin/wasm-ld-19 usr/bin/clang-19" elsewhere="rustup target add wasm32-wasip1" ;;
+    clang) title="the C compiler clang" packages=clang-19 programs=usr/bin/clang-19 elsewhere=clang ;;
     qemu) title="the emulator QEMU" packages=qemu-system-arm programs=usr/bin/qemu-system-arm ;;
     c-compiler) title="the C compiler for chips" programs='usr/bin/arm-none-eabi-*' elsewhere=gcc-arm-embedded \
         packages="gcc-arm-none-eabi binutils-arm-none-eabi libnewlib-arm-none-eabi" \
@@ -32,6 +36,8 @@ need() {
         packages="gcc-riscv64-unknown-elf binutils-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc" \
         programs="usr/bin/riscv64-unknown-elf-* usr/bin/qemu-system-riscv32" ;;
     chromium) title=Chromium packages="chromium fonts-dejavu-core" programs=usr/lib/chromium/chromium ;;
+    # The program by which tests drive it.
+    driver) title="the driver of Chromium" packages=chromium-driver programs=usr/bin/chromedriver elsewhere=chromedriver ;;
     make | cmake) title=$name packages=$name programs=usr/bin/$name ;;
     python) title=Python packages=python3 programs='usr/bin/python3*' elsewhere=python3 ;;
     # The installer of Python's packages, which Debian has apart from Python.
@@ -58,6 +64,10 @@ serves() {
         at_least 1.89 "$own/rustc" --version && [ -x "$own/rustdoc" ] && [ -x "$own/cargo" ] &&
             [ -x "$own/ld.lld-19" ] && [ -d "$("$own/rustc" --print sysroot)/lib/rustlib/src/rust/library/core" ]
         ;;
+    wasm) command -v wasm-ld-19 && command -v clang-19 &&
+        { [ -f /usr/lib/wasm32-wasi/libc.a ] || [ -f "$folder/wasm/usr/lib/wasm32-wasi/libc.a" ]; } ;;
+    clang) command -v clang-19 || command -v clang ;;
+    driver) command -v chromedriver ;;
     # The first version that has all boards.
     qemu) at_least 6.0 qemu-system-arm --version ;;
     # With the first linker that has all options. The place of a file that it does not have is the bare name.

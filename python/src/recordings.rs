@@ -116,7 +116,7 @@ pub(crate) fn init(py: Python<'_>, options: &Bound<'_, PyDict>) -> PyResult<(Pat
             force: options.force,
         };
         let log = Log::new(&Quiet);
-        let description = describe(&asked, &log)?;
+        let description = describe(&asked, &log)?.accepted()?;
         Ok((description.file, log.take().into_iter().chain(description.question).collect()))
     })
     .map_err(raised)

@@ -4,6 +4,7 @@
 use std::env;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Read};
+use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::thread;
 
@@ -97,7 +98,12 @@ fn all(stream: Option<impl Read>) -> io::Result<Vec<u8>> {
 
 /// Whether a program of this name is on the search path.
 pub fn on_path(program: &str) -> bool {
-    env::split_paths(&search_path()).any(|folder| folder.join(program).is_file())
+    find(program).is_some()
+}
+
+/// The first program of this name on the search path.
+pub fn find(program: &str) -> Option<PathBuf> {
+    env::split_paths(&search_path()).map(|folder| folder.join(program)).find(|file| file.is_file())
 }
 
 /// The search path of the programs that are started: first what was unpacked, which is there only where nothing

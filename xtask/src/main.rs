@@ -10,6 +10,7 @@ mod release;
 mod report;
 mod setup;
 mod test;
+mod web;
 mod workspace;
 
 use std::path::PathBuf;
@@ -78,6 +79,12 @@ enum Command {
     },
     /// Builds the book by mdBook.
     Book,
+    /// Writes the workbench as one page for a browser, `target/web/bearing-watch.html`, which needs no installation.
+    Web {
+        /// Prints how long the training takes beside the native program on one thread.
+        #[arg(long)]
+        measure: bool,
+    },
     /// Makes everything that is published, in `target/dist`, and checks it; publishes nothing.
     Release(release::Options),
     /// Fetches what firmware builds, emulator runs and tests of pages need and the system does not have, into the
@@ -123,6 +130,13 @@ fn run(command: Command, asked: Option<Way>) -> Result<bool> {
             print!("{}", if json { measure::json(&figures) + "\n" } else { measure::table(&figures) });
         }
         Command::Docs { names, check } => return docs::run(&names, check, asked),
+        Command::Web { measure } => {
+            let web::Built { program, page } = web::page(asked)?;
+            println!("{}, {} bytes", page.display(), std::fs::metadata(&page)?.len());
+            if measure {
+                web::compare::measure(&program)?;
+            }
+        }
         Command::Book => println!("{}", python::book()?.display()),
         Command::Release(options) => return release::run(&options, ready()?),
         Command::Setup => {

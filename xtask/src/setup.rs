@@ -29,6 +29,12 @@ pub fn is_ready(need: &str) -> bool {
     child::works(&mut script("check", &[need]))
 }
 
+/// The folder of Debian's C library for WebAssembly: the one that was unpacked, else the installed one.
+pub fn library_of_wasm() -> Option<PathBuf> {
+    let places = [workspace::debian().join("wasm"), PathBuf::from("/")];
+    places.into_iter().map(|place| place.join("usr/lib/wasm32-wasi")).find(|folder| folder.join("libc.a").is_file())
+}
+
 /// A program of Debian's compiler: the one that was unpacked, else the installed one.
 pub fn of_compiler(name: &str) -> PathBuf {
     let own = workspace::debian().join("compiler/bin").join(name);

@@ -109,7 +109,7 @@ impl Command {
     /// Runs it; an audit that finds something is a failure. `described` makes the description of all commands.
     pub(crate) fn run(&self, described: fn() -> clap::Command) -> Result<ExitCode, Error> {
         match self {
-            Self::Init(args) => init::run(args),
+            Self::Init(args) => return init::run(args),
             Self::Audit(args) => {
                 let found = audit::run(args)?;
                 return Ok(if found { ExitCode::FAILURE } else { ExitCode::SUCCESS });

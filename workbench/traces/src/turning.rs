@@ -57,6 +57,18 @@ impl Channel {
         self.text.contains('?')
     }
 
+    /// The parts of the text that have a question mark, and the units that answer it; none if a number does.
+    pub(crate) fn marks(&self) -> Vec<(String, &'static [&'static str])> {
+        let units: &[&str] = if self.kind == Kind::Angle { &ANGLES[..3] } else { &VELOCITIES[..4] };
+        let start = self.text.find("unwrap(").map_or(0, |at| at + "unwrap(".len());
+        let start = if self.text[start..].starts_with('(') { start + 1 } else { start };
+        let end = self.text.find(']').map_or(self.text.len(), |at| at + 1);
+        let (column, divisor) = (&self.text[start..end], &self.text[end..]);
+        let is_count = column.ends_with("[turn/?]");
+        let column = column.contains('?').then(|| (column.to_string(), if is_count { &[][..] } else { units }));
+        column.into_iter().chain(divisor.contains('?').then(|| (divisor.to_string(), &[][..]))).collect()
+    }
+
     /// With an answer: one is so many base units by the other signal, if that is known, which is then said.
     fn answered(self, unit: Option<f64>, is_told: bool) -> Self {
         let base = if self.kind == Kind::Angle { "rad" } else { "rad/s" };
@@ -398,6 +410,20 @@ mod tests {
         assert!(found.2.told()[0].contains("the unit of position is not known: rad, turn or deg?"), "{:?}", found.2);
         let counts: Vec<f64> = scaled(&angle, 4096.0 / TAU).iter().map(|x| x.round()).collect();
         assert_eq!(of(("position", &counts), None).0, "position[turn/?]");
+    }
+
+    #[test]
+    fn each_question_mark_has_its_text_and_its_answers() {
+        let (velocity, angle) = motion();
+        let turns = scaled(&angle, 1.0 / TAU);
+        let marks = |turning: Turning| turning.angle.expect("an angle").marks();
+        let found = marks(of(("position", &turns), Some(("velocity", &scaled(&velocity, 0.3)))).2);
+        assert_eq!(found, [("position[?]".to_string(), &["rad", "turn", "deg"][..])]);
+        let counts: Vec<f64> = scaled(&angle, 4096.0 / TAU).iter().map(|x| x.round()).collect();
+        assert_eq!(marks(of(("position", &counts), None).2), [("position[turn/?]".to_string(), &[][..])]);
+        let found = marks(of(("theta_e", &turns), None).2);
+        assert_eq!(found[0], ("theta_e[?]".to_string(), &["rad", "turn", "deg"][..]));
+        assert_eq!(found[1], (" rad)/?".to_string(), &[][..]));
     }
 
     #[test]

@@ -33,27 +33,32 @@ impl fmt::Display for Way {
 impl Way {
     /// The way that was asked for, else the one the environment names, else one that is installed, else one that can
     /// be.
-    fn choose(asked: Option<Self>) -> Result<Self> {
+    fn choose(asked: Option<Self>, target: &str) -> Result<Self> {
         let named = env::var(VARIABLE).ok().filter(|name| !name.is_empty());
         match (asked, named) {
             (Some(way), _) => Ok(way),
             (None, Some(name)) => Self::from_str(&name, true).map_err(|error| anyhow::anyhow!("{VARIABLE}: {error}")),
-            (None, None) if Self::Rustup.hindrance(DRIVE.target).is_none() => Ok(Self::Rustup),
+            (None, None) if Self::Rustup.hindrance(target).is_none() => Ok(Self::Rustup),
             (None, None) if child::on_path("apt-get") || setup::is_ready("compiler") => Ok(Self::Debian),
             (None, None) => {
-                bail!("no compiler for {target}; run\n    rustup target add {target}", target = DRIVE.target)
+                bail!("no compiler for {target}; run\n    rustup target add {target}")
             }
         }
     }
 
     /// The same way, when what building and running firmware needs is there.
     pub fn ready(asked: Option<Self>) -> Result<Self> {
-        let way = Self::choose(asked)?;
-        if let Some(hindrance) = way.hindrance(DRIVE.target) {
+        Self::ready_for(asked, DRIVE.target, [&["qemu"], &["compiler", "qemu"]])
+    }
+
+    /// The same for another target, with what this needs by rustup's way and by Debian's.
+    pub fn ready_for(asked: Option<Self>, target: &str, [rustup, debian]: [&[&str]; 2]) -> Result<Self> {
+        let way = Self::choose(asked, target)?;
+        if let Some(hindrance) = way.hindrance(target) {
             // Left to the user: it changes their toolchain.
-            bail!("the target {} is not installed; {hindrance}", DRIVE.target);
+            bail!("the target {target} is not installed; {hindrance}");
         }
-        setup::ensure(if way == Self::Rustup { &["qemu"] } else { &["compiler", "qemu"] })?;
+        setup::ensure(if way == Self::Rustup { rustup } else { debian })?;
         Ok(way)
     }
 

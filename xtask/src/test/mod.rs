@@ -7,6 +7,7 @@ mod host;
 mod pil;
 mod requirements;
 mod target;
+mod web;
 
 pub mod newcomer;
 
@@ -37,7 +38,7 @@ type Stage = (&'static str, &'static [&'static str], fn(&mut Tally, Way));
 const QUICK: [&str; 3] = ["format", "lints", "units"];
 
 /// The stages of the host, in the order in which they use what others have built.
-const HOST: [Stage; 8] = [
+const HOST: [Stage; 9] = [
     ("format", &[], |tally, _| host::format(tally)),
     ("lints", &[], |tally, _| host::lints(tally)),
     ("trace", &[], |tally, _| requirements::checks(tally)),
@@ -45,6 +46,7 @@ const HOST: [Stage; 8] = [
     ("units", &[], |tally, _| host::tests(tally, &["--lib"])),
     ("host", &["chromium"], |tally, _| host::tests(tally, &[cargo::TESTS, "--doc"])),
     ("python", &["python", "pip"], |tally, _| host::python(tally)),
+    ("web", &["chromium", "driver", "python", "pip"], |tally, _| web::checks(tally)),
     ("dependencies", &["python", "pip"], |tally, _| dependencies::checks(tally)),
 ];
 

@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 
 use log::{LevelFilter, Metadata, Record};
 use serde_json::{Value, json};
@@ -54,8 +54,23 @@ pub(crate) fn note(text: impl AsRef<str>) {
 struct Bars;
 
 impl Progress for Bars {
+    #[cfg(target_family = "wasm")]
     fn start(&self, what: &'static str, count: usize) -> Steps {
-        let bar = progress(what, count).with_finish(ProgressFinish::AndClear);
+        let steps = std::sync::atomic::AtomicU64::new(0);
+        Box::new(move |done| {
+            let before = steps.fetch_add(done, Ordering::Relaxed);
+            let percent = |steps: u64| 100 * steps / count.max(1) as u64;
+            if percent(before) < percent(before + done) && !is_quiet() {
+                // In one piece, and marked: a page shows it, and leaves it out of the notes.
+                let line = format!("\r{what} {}/{count}\n", before + done);
+                let _is_shown = std::io::stderr().write_all(line.as_bytes());
+            }
+        })
+    }
+
+    #[cfg(not(target_family = "wasm"))]
+    fn start(&self, what: &'static str, count: usize) -> Steps {
+        let bar = progress(what, count).with_finish(indicatif::ProgressFinish::AndClear);
         Box::new(move |done| bar.inc(done))
     }
 }

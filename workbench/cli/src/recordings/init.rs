@@ -1,6 +1,7 @@
 //! `bearing-watch init`
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use crate::command_line::jobs::Init;
 use crate::command_line::options::Taken;
@@ -35,9 +36,13 @@ pub(crate) struct Args {
     /// Replace the files if they exist
     #[arg(long)]
     force: bool,
+    /// Print JSON: columns with unit and course, classes, questions with their answers, and why training refuses the
+    /// file, if it does; the exit code is then 1
+    #[arg(long)]
+    json: bool,
 }
 
-pub(crate) fn run(args: &Args) -> Result<(), Error> {
+pub(crate) fn run(args: &Args) -> Result<ExitCode, Error> {
     let asked = Asked {
         data: &args.taken.settings.data,
         labels: args.labels.as_deref(),
@@ -46,5 +51,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Error> {
         front_end: args.front_end.as_deref(),
         force: args.force,
     };
-    output::say(output::logged(|log| describe(&asked, log))?.told)
+    if args.json {
+        let described = output::logged(|log| describe(&asked, log))?;
+        output::json("init", described.to_json())?;
+        return Ok(if described.refused.is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS });
+    }
+    output::say(output::logged(|log| describe(&asked, log)?.accepted())?.told)?;
+    Ok(ExitCode::SUCCESS)
 }

@@ -94,6 +94,36 @@ pub(crate) const COGGING: Form = Form {
     optional: &[],
 };
 
+/// `init --json`.
+pub(crate) const INIT: Form = Form {
+    name: "init",
+    about: "What recordings have, and what the user has to say; exit code 1 if training refuses the drive file",
+    list: false,
+    keys: &[
+        ("drive_file", "string", "The drive file that was written"),
+        ("told", "string", "What was found, in a line"),
+        ("refused", "string?", "Why training refuses the drive file, if it does"),
+        ("labels", "string", "The file of the labels"),
+        ("classes", "array", "The classes of the labels"),
+        ("files", "integer", "Number of recordings"),
+        ("rows", "integer", "Rows of the first one"),
+        ("rate_hz", "number?", "Rows a second, if there is a time"),
+        (
+            "columns",
+            "array",
+            "Columns of the first recording: name, the channel that it is taken as (role), quantity and unit by the \
+             name, rows without a number (missing), and lowest and highest value of up to 120 parts (course)",
+        ),
+        (
+            "questions",
+            "array",
+            "Each with its text (question), the texts of the drive file in which the answer takes the place of the \
+             question mark (marks), or the key of the drive file (key), and the answers, none if it is a number",
+        ),
+    ],
+    optional: &[],
+};
+
 /// `audit --json`.
 pub(crate) const AUDIT: Form = Form {
     name: "audit",

@@ -31,6 +31,8 @@ pub(crate) struct Args {
 enum Form {
     /// The keys of drive.toml
     Drive,
+    /// What `init --json` prints
+    Init,
     /// What `train --json` prints
     Train,
     /// What `evaluate --json` prints
@@ -62,6 +64,7 @@ enum Form {
 pub(crate) fn run(args: &Args) -> Result<(), Error> {
     let schema = match args.form {
         Form::Drive => of_drive_file(),
+        Form::Init => identification::INIT.schema(),
         Form::Train => training::TRAIN.schema(),
         Form::Evaluate => training::EVALUATE.schema(),
         Form::Replay => drive::REPLAY.schema(),

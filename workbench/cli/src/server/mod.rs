@@ -203,11 +203,14 @@ impl Drop for Place<'_> {
     }
 }
 
-/// A flag that Ctrl-C sets.
+/// A flag that Ctrl-C sets; in a browser, which has no Ctrl-C, the page ends the program.
 pub(crate) fn stop_flag() -> Result<Arc<AtomicBool>, Error> {
     let flag = Arc::new(AtomicBool::new(false));
-    let own = Arc::clone(&flag);
-    ctrlc::set_handler(move || own.store(true, Ordering::Relaxed))
-        .map_err(|error| Error::Usage(format!("Ctrl-C cannot be handled: {error}")))?;
+    #[cfg(not(target_family = "wasm"))]
+    {
+        let own = Arc::clone(&flag);
+        ctrlc::set_handler(move || own.store(true, Ordering::Relaxed))
+            .map_err(|error| Error::Usage(format!("Ctrl-C cannot be handled: {error}")))?;
+    }
     Ok(flag)
 }

@@ -1,6 +1,9 @@
 //! Command-line tests of drive files: written by `init` and `--save`, taken by every command.
 
-use super::common::{refuse, succeed};
+use serde_json::Value;
+
+use super::common::{refuse, run, succeed};
+use crate::form::{fit, schema};
 
 const FLAGS: &str = "--y current_a --u1 velocity_ref_rad_s-velocity_rad_s --u2 load_torque_nm --order 2,2,2,1,1 \
     --features a,b --healthy healthy --false-alarm 0.05 --classes healthy,spall";
@@ -182,4 +185,43 @@ fn a_few_healthy_runs_keep_the_usual_recipe() {
     succeed(dir, "train runs/drive.toml --bearing 9,3,17,10 --model m.bwm");
     let told = succeed(dir, "replay --model m.bwm spall");
     assert_eq!(told.matches("  novel  ").count(), 5, "{told}");
+}
+
+#[test]
+fn init_prints_columns_and_questions() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let json = |text: &str| serde_json::from_str::<Value>(text).expect("JSON");
+    succeed(dir, "simulate --class healthy,spall --count 12 --seed 6 --out runs");
+    let all = json(&succeed(dir, "init runs --json"));
+    fit(&schema("init"), &all);
+    assert_eq!((all["classes"][0].as_str(), all["classes"][1].as_str()), (Some("healthy"), Some("spall")));
+    assert_eq!((all["files"].as_u64(), all["rows"].as_u64(), &all["refused"]), (Some(24), Some(5000), &Value::Null));
+    let named = |name: &str| all["columns"].as_array().expect("columns").iter().find(|own| own["name"] == name);
+    let current = named("current_a").expect("the current");
+    assert_eq!((current["role"].as_str(), current["unit"].as_str()), (Some("current"), Some("A")));
+    let course = current["course"].as_array().expect("a course");
+    assert!((100..=120).contains(&course.len()) && course.iter().all(|part| part[0].as_f64() <= part[1].as_f64()));
+    assert_eq!(all["questions"], Value::Array(vec![]));
+
+    // Two motors that move, an angle whose unit nothing tells, no time, and no word of a class.
+    let wave = |k: u32, f: f64| (f * f64::from(k)).sin();
+    for file in 0..3 {
+        let row =
+            |k: u32| format!("{:.4},{:.4},{:.4},{:.4}\n", wave(k, 0.1), wave(k, 0.013), wave(k, 0.07), wave(k, 0.02));
+        let text = "ax1_iq,ax1_pos,ax2_iq,ax2_pos\n".to_string() + &(file..2000 + file).map(row).collect::<String>();
+        std::fs::create_dir_all(dir.join("two")).expect("a folder");
+        std::fs::write(dir.join(format!("two/a{file}.csv")), text).expect("writable");
+    }
+    let output = run(dir, "init two --json");
+    let all = json(&String::from_utf8_lossy(&output.stdout));
+    let text = std::fs::read_to_string(dir.join("two/drive.toml")).expect("written");
+    let questions = all["questions"].as_array().expect("questions");
+    let axis = questions.iter().find(|own| own["answers"][1] == "2").expect("which axis");
+    let marks =
+        questions.iter().flat_map(|own| own["marks"].as_array().into_iter().flatten().filter_map(Value::as_str));
+    assert!(marks.clone().any(|mark| mark == "ax?_iq") && axis["key"].is_null(), "{all:#}");
+    assert!(marks.clone().filter(|mark| text.contains(mark)).count() > 0, "{text}");
+    let keys: Vec<&str> = questions.iter().filter_map(|own| own["key"].as_str()).collect();
+    assert_eq!(keys, ["rate_hz", "labels"]);
 }

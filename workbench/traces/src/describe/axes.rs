@@ -164,6 +164,8 @@ pub(crate) struct Axes {
     pub(crate) kept: Vec<String>,
     /// What is said or asked.
     pub(crate) said: String,
+    /// The parts of the names of the axes that move.
+    pub(crate) moving: Vec<String>,
     /// The columns of this axis, and as they are asked for; empty if the others rest.
     asked: Vec<(String, String)>,
 }
@@ -205,7 +207,13 @@ impl Axes {
             format!("axis {list} is taken: the others rest")
         };
         let asked = if is_asked { all[taken].iter().map(mark).collect() } else { vec![] };
-        Some(Self { kept, said, asked })
+        let moving = moving.iter().map(|part| written(part)).collect();
+        Some(Self { kept, said, moving, asked })
+    }
+
+    /// The names with a question mark.
+    pub(crate) fn marks(&self) -> Vec<String> {
+        self.asked.iter().map(|(_, mark)| mark.clone()).collect()
     }
 
     /// Whether the user is asked.

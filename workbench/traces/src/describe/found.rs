@@ -9,6 +9,7 @@ use super::kinds::{LeftOut, kinds, label_of, most};
 use super::names::{self, Told};
 use super::proposal::Proposal;
 use super::raw::{self, Extremes, RawFrontEnd};
+use super::report::{self, Column};
 use crate::front_end::OWN;
 use crate::listing::naming::Naming;
 use crate::signal::signs::ByName;
@@ -36,6 +37,8 @@ pub(super) struct Found {
     /// Why the time is not used.
     pub(super) disorder: Option<String>,
     pub(super) names: Vec<String>,
+    /// The columns of the first recording, as they are shown.
+    pub(super) columns: Vec<Column>,
     /// Rows of the first trace, and rows a second.
     pub(super) rows: usize,
     pub(super) rate_hz: Option<f64>,
@@ -134,6 +137,7 @@ impl Found {
             // The front end of a drive makes columns, and no difference of them.
             proposal.u1 = proposal.guess.velocity_ref.clone().or(proposal.u1);
         }
+        let columns = report::columns(&names, first);
         let is_constant = first.is_some_and(|one| proposal.is_constant(&names, &one.columns));
         let beside = Some(folder.join("labels.csv")).filter(|file| file.is_file());
         let given = asked.labels.map(Path::to_path_buf).or(beside.filter(|_| asked.labels_from_names.is_none()));
@@ -164,6 +168,7 @@ impl Found {
             left,
             traces,
             disorder,
+            columns,
             names,
             rows,
             rate_hz,

@@ -15,6 +15,7 @@ mod names;
 mod proposal;
 mod raw;
 mod remembered;
+mod report;
 mod trial;
 mod values;
 mod words;
@@ -27,6 +28,8 @@ use found::Found;
 use guess::Guess;
 use kinds::LeftOut;
 use names::{REFERENCE, Told};
+pub use report::Question;
+use serde_json::Value;
 use trial::Outcome;
 use values::Values;
 
@@ -48,12 +51,31 @@ pub struct Described {
     pub told: String,
     /// What the user has to say, which `told` has too.
     pub question: Option<String>,
+    /// The same, with what the answers are and where they are written.
+    pub questions: Vec<Question>,
+    /// Why training refuses the file, if it does.
+    pub refused: Option<String>,
+    /// Labels, and the columns of the first recording.
+    found: Value,
+}
+
+impl Described {
+    /// The same if training takes the file.
+    ///
+    /// # Errors
+    /// It refuses it; the file is written.
+    pub fn accepted(self) -> Result<Self, Error> {
+        let Some(reason) = &self.refused else { return Ok(self) };
+        let what = "it is written, but training refuses it; edit it, or bring other recordings";
+        Err(Error::Training(format!("{} {what}: {reason}", self.told)))
+    }
 }
 
 /// Writes a drive file by looking at recordings, and their labels if there are none.
 ///
 /// # Errors
-/// No file with columns of numbers, labels that do not fit, or a drive file that exists.
+/// No file with columns of numbers, labels that do not fit, or a drive file that exists. That training refuses the file
+/// is none, see [`Described::accepted`].
 pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
     let traces = &asked.data.traces;
     let first = traces.first().ok_or_else(|| Error::Usage("no traces are given".into()))?;
@@ -101,15 +123,18 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         found.made.filter(|told| *told == Told::Nothing).map(made).into_iter().chain(open).collect();
     let question = (!questions.is_empty()).then(|| questions.join(" "));
     let mut told = told(&found, &out);
-    match outcome {
+    let refused = match outcome {
         Outcome::Refused(reason) => {
-            let what = "it is written, but training refuses it; edit it, or bring other recordings";
-            let doubts = found.doubts.iter().map(|doubt| format!(" Note: {doubt}.")).collect::<String>();
-            return Err(Error::Training(format!("{told}{doubts} {what}: {reason}")));
+            told.extend(found.doubts.iter().map(|doubt| format!(" Note: {doubt}.")));
+            Some(reason)
         }
-        _ => told += &note.map_or_else(String::new, |note| format!(" Note: {note}.")),
-    }
-    Ok(Described { told, question, file: out })
+        _ => {
+            told += &note.map_or_else(String::new, |note| format!(" Note: {note}."));
+            None
+        }
+    };
+    let questions = report::questions(&found);
+    Ok(Described { told, question, questions, refused, found: report::found(&found), file: out })
 }
 
 fn folder_of(path: &Path) -> PathBuf {

@@ -5,9 +5,8 @@ use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread;
+#[cfg(not(target_family = "wasm"))]
 use std::time::Duration;
-
-use serial2::SerialPort;
 
 #[cfg(target_os = "linux")]
 use super::bus;
@@ -16,6 +15,7 @@ use super::bus;
 const CHUNK: usize = 4096;
 const WAITING: usize = 64;
 /// A serial port returns after this time without a byte.
+#[cfg(not(target_family = "wasm"))]
 const SILENCE: Duration = Duration::from_millis(100);
 
 type Chunk = io::Result<Vec<u8>>;
@@ -41,8 +41,14 @@ pub(super) fn open(source: &str, baud: u32) -> Receiver<Chunk> {
     receiver
 }
 
+#[cfg(target_family = "wasm")]
+fn serial(_name: &str, _baud: u32) -> io::Result<Box<dyn Read>> {
+    Err(ErrorKind::Unsupported.into())
+}
+
+#[cfg(not(target_family = "wasm"))]
 fn serial(name: &str, baud: u32) -> io::Result<Box<dyn Read>> {
-    let mut port = SerialPort::open(name, baud)?;
+    let mut port = serial2::SerialPort::open(name, baud)?;
     port.set_read_timeout(SILENCE)?;
     Ok(Box::new(port))
 }
