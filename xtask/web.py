@@ -152,7 +152,7 @@ def train(way, folder):
     assert "how many rows a second" in way.element("#questions").text, way.element("#questions").text
     way.element("#questions input").send_keys("500,0")
     way.click("#questions button.first")
-    way.until("answers", lambda: not way.all("#questions .question"))
+    way.until("answers", lambda: not way.all("#questions .question") and way.status().startswith("init: done"))
     for place, value in [("balls", "9"), ("ball", "3,0"), ("pitch", "17"), ("contact", "10.0")]:
         way.element(f"#{place}").send_keys(value)
     way.element("#contact").send_keys(Keys.ENTER)

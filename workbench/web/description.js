@@ -64,9 +64,10 @@ function questions(open) {
   return make("fieldset", {}, make("legend", {}, "Questions"), others.map(one), button, labels.map(ofClasses));
 }
 
-function answer(event) {
+/** Writes the answers. With the rate of the rows the recordings are described anew: it tells what the channels are. */
+function answer(event, look) {
   event.preventDefault();
-  let text = texts.drive;
+  let text = texts.drive, rate = null;
   for (const [k, question] of openQuestions().filter((own) => own.key !== "labels").entries()) {
     const word = by(`question-${k}`).value.trim(), value = question.answers.length ? word : number(word);
     if (word === "") continue;
@@ -75,7 +76,13 @@ function answer(event) {
       by(`question-${k}`).focus();
       return;
     }
-    text = question.key ? withKey(text, "data", question.key, value) : answered(text, question.marks, value);
+    if (question.key) rate = value;
+    else text = answered(text, question.marks, value);
+  }
+  if (rate) {
+    session.change({ rate });
+    look();
+    return;
   }
   rewrite(DRIVE, text);
   say("The answers are in drive.toml.");
@@ -121,6 +128,9 @@ function classes() {
   return [make("p", {}, counted), form, table(caption, ["Recording", "Class"], all.slice(0, SHOWN))];
 }
 
-by("questions").addEventListener("submit", answer);
-by("bearing").addEventListener("submit", takeBearing);
-by("drive").addEventListener("change", () => rewrite(DRIVE, by("drive").value));
+/** `look` has the recordings described. */
+export function listen(look) {
+  by("questions").addEventListener("submit", (event) => answer(event, look));
+  by("bearing").addEventListener("submit", takeBearing);
+  by("drive").addEventListener("change", () => rewrite(DRIVE, by("drive").value));
+}

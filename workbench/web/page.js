@@ -1,9 +1,9 @@
 // The page: the session is shown, and buttons run commands. What recordings, models and verdicts are worth,
 // the commands say.
 
-import { showDescription } from "./description.js";
+import { listen, showDescription } from "./description.js";
 import { by, download } from "./dom.js";
-import { attempt, showOthers, showRecordings } from "./recordings.js";
+import { attempt, look, showOthers, showRecordings } from "./recordings.js";
 import { DRIVE, keep, MODEL, program, result, say, session, show } from "./runs.js";
 
 const COMMANDS = {
@@ -47,6 +47,7 @@ by("open-file").addEventListener("change", () => attempt(async () => {
 for (const [name, words] of Object.entries(COMMANDS)) {
   document.querySelector(`[data-run=${name}]`).addEventListener("click", () => attempt(() => keep(name, words)));
 }
+listen(() => attempt(look));
 // Beside the place for files, a drop would leave the page.
 for (const kind of ["dragover", "drop"]) addEventListener(kind, (event) => event.preventDefault());
 addEventListener("beforeunload", (event) => { if (!session.isSaved) event.preventDefault(); });

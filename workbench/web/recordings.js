@@ -28,8 +28,9 @@ async function take(files, isOther) {
 }
 
 /** Has the recordings described. */
-async function look() {
-  const run = await command(["init", ...session.now.recordings, "--out", DRIVE, "--json", "--force"]);
+export async function look() {
+  const { recordings, rate } = session.now, time = rate ? ["--rate-hz", String(rate)] : [];
+  const run = await command(["init", ...recordings, ...time, "--out", DRIVE, "--json", "--force"]);
   if (!run || run.stopped) return;
   const seen = run.reason ? null : JSON.parse(run.out);
   const files = run.reason ? session.now.files : session.with(run.written, run.removed);
@@ -62,7 +63,7 @@ function clear() {
   const { files: all, recordings } = session.now;
   const isOne = (path) => recordings.some((folder) => path.startsWith(`${folder}/`));
   const files = new Map([...all].filter(([path]) => !isOne(path) && path !== DRIVE));
-  session.change({ files, recordings: [], seen: null, runs: {} });
+  session.change({ files, recordings: [], rate: null, seen: null, runs: {} });
   by("choose-folder").focus();
 }
 

@@ -10,7 +10,7 @@ const NOTES = "session.json";
 
 export class Session {
   constructor() {
-    this.now = { files: new Map(), recordings: [], others: null, seen: null, runs: {} };
+    this.now = { files: new Map(), recordings: [], rate: null, others: null, seen: null, runs: {} };
     this.past = [];
     this.isSaved = true;
     this.listeners = [];
@@ -53,8 +53,8 @@ export class Session {
   }
 
   async packed(onFile) {
-    const { recordings, others, seen, runs, files } = this.now;
-    const notes = JSON.stringify({ recordings, others, seen, runs });
+    const { files, ...others } = this.now;
+    const notes = JSON.stringify(others);
     const blob = await pack([...files, [NOTES, new Blob([notes])]], onFile);
     this.isSaved = true;
     return blob;
@@ -85,7 +85,18 @@ export function refusal(files, taken) {
 
 /** Files and folders of a drop: paths and files, at any depth. */
 export async function dropped(items) {
-  const entries = [...items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean), files = [];
+  const all = [...items].filter((item) => item.kind === "file"), files = [];
+  // Before anything is waited for: the list is empty afterwards. A page of a file has no entries, but handles.
+  if (all[0]?.getAsFileSystemHandle) {
+    const visit = async (handle, prefix) => {
+      const path = prefix + handle.name;
+      if (handle.kind === "file") files.push([path, await handle.getFile()]);
+      else for await (const one of handle.values()) await visit(one, `${path}/`);
+    };
+    for (const handle of await Promise.all(all.map((item) => item.getAsFileSystemHandle()))) await visit(handle, "");
+    return files.sort(([one], [other]) => (one < other ? -1 : 1));
+  }
+  const entries = all.map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
   const once = (call) => new Promise((resolve, reject) => { call(resolve, reject); });
   const visit = async (entry, prefix) => {
     const path = prefix + entry.name;
@@ -100,7 +111,7 @@ export async function dropped(items) {
     }
   };
   for (const entry of entries) await visit(entry, "");
-  return files;
+  return files.sort(([one], [other]) => (one < other ? -1 : 1));
 }
 
 /** Files of a chooser. */

@@ -36,6 +36,7 @@ pub mod audit;
 pub mod bearings;
 pub mod cogging;
 pub mod core;
+mod elementary;
 pub mod error;
 pub mod evaluate;
 pub mod grey_box;
