@@ -43,7 +43,7 @@ async function judge() {
   const { others } = session.now;
   const replay = ["replay", "--model", MODEL, others, "--report", "replay.html", "--no-drive", "--json"];
   if (!await keep("replay", replay)) return;
-  const described = await command(["init", others, "--out", `${others}.toml`, "--json", "--force"]);
+  const described = await command(["init", others, "--out", `${others}/drive.toml`, "--json", "--force"]);
   if (!described || described.reason) return;
   const { labels, classes } = JSON.parse(described.out);
   if (classes.length === 1 && classes[0] === "reference") return;
@@ -104,7 +104,7 @@ export function showOthers() {
   show(by("replay"), runs.replay, () =>
     result(runs.replay, { report: "replay.html", files: ["replay.html"], body: verdicts(runs.replay) }));
   show(by("evaluate"), runs.evaluate, () =>
-    result(runs.evaluate, { report: "evaluate.html", files: ["evaluate.html"], isTable: true }));
+    result(runs.evaluate, { report: "evaluate.html", files: ["evaluate.html"] }));
 }
 
 /** Does a work; what goes wrong is said. */

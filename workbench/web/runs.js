@@ -79,8 +79,11 @@ function downloads(paths) {
   return there.length ? make("div", { class: "downloads" }, there.map(button)) : null;
 }
 
+/** A line of an output: columns that are aligned by blanks stay so, sentences are broken. */
+const line = (text) => make("div", { class: /\S {2,}\S/.test(text) ? "aligned" : null }, text || " ");
+
 /** What a run has printed, or another body; its report and its files; and the same command for a terminal. */
-export function result(run, { report: page, files = [], isTable = false, body = null } = {}) {
+export function result(run, { report: page, files = [], body = null } = {}) {
   if (!run) return [];
   const command = [
     make("p", { class: "said" }, "The same in a terminal:"),
@@ -89,7 +92,7 @@ export function result(run, { report: page, files = [], isTable = false, body = 
   if (run.reason) return [...command, make("p", { class: "bad", role: "alert" }, run.reason)];
   const notes = run.notes.trim();
   const region = { tabindex: "0", role: "region", "aria-label": `Output of ${run.words[0]}` };
-  const printed = make("div", { class: `printed${isTable ? " table" : ""}`, ...region }, run.out.trimEnd());
+  const printed = make("div", { class: "printed", ...region }, run.out.trimEnd().split("\n").map(line));
   const parts = [
     notes ? make("div", { class: "printed warn" }, notes) : null,
     body ?? printed,
