@@ -128,7 +128,8 @@ class Way:
             message = json.loads(entry["message"])["message"]
             if message["method"] == "Network.requestWillBeSent":
                 url = message["params"]["request"]["url"]
-                assert url.split(":")[0] in ("file", "blob", "data"), url
+                # The browser starts with a page of its own.
+                assert url.split(":")[0] in ("file", "blob", "data", "chrome"), url
 
 
 def prepare(folder):

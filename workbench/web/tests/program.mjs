@@ -30,9 +30,20 @@ function part(file) {
   };
 }
 
+/** Writes all of it: a pipe that is full takes a part, or nothing yet. */
+function print(fd, bytes) {
+  for (let at = 0; at < bytes.length;) {
+    try {
+      at += fs.writeSync(fd, bytes, at);
+    } catch (error) {
+      if (error.code !== "EAGAIN") throw error;
+    }
+  }
+}
+
 const root = tree(onDisk(folder)), before = new Set([...walk(root)].map(([name]) => name));
 const module = new WebAssembly.Module(fs.readFileSync(program));
-const code = run(module, words, root, (fd, bytes) => fs.writeSync(fd, bytes));
+const code = run(module, words, root, print);
 for (const [name, content] of walk(root)) {
   before.delete(name);
   if (!content.isChanged) continue;

@@ -54,7 +54,7 @@ const CASES: [Case; 5] = [
     },
     Case {
         title: "cranfield_ema",
-        data: Some(("cranfield_ema", "strokes_-40kgf labels")),
+        data: Some(("cranfield_ema", "")),
         commands: "init runs --out drive.toml --json
             train drive.toml --model out.bwm --rust model.rs --report train.html --json
             evaluate drive.toml --model out.bwm --report evaluate.html --json",
