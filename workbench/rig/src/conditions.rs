@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn names_and_numbers_are_distinct() {
         let all: Vec<Condition> = Condition::all().collect();
-        assert_eq!(all.len(), 18 + 26 + 5);
+        assert_eq!(all.len(), 18 + 26 + 8);
         for (k, one) in all.iter().enumerate() {
             assert_eq!(Condition::named(one.name), Some(*one));
             for other in &all[..k] {

@@ -423,7 +423,7 @@ mod tests {
         assert_eq!(marks(of(("position", &counts), None).2), [("position[turn/?]".to_string(), &[][..])]);
         let found = marks(of(("theta_e", &turns), None).2);
         assert_eq!(found[0], ("theta_e[?]".to_string(), &["rad", "turn", "deg"][..]));
-        assert_eq!(found[1], (" rad)/?".to_string(), &[][..]));
+        assert_eq!(found[1], (") rad)/?".to_string(), &[][..]));
     }
 
     #[test]

@@ -153,7 +153,7 @@ mod tests {
             }
             assert!(cells.insert(cell.seed(0).expect("fits")), "{cell:?}");
         }
-        assert_eq!(cells.len(), 4 * 25 * 49 * 6 * 9);
+        assert_eq!(cells.len(), 4 * 25 * 52 * 6 * 9);
     }
 
     #[test]
