@@ -7,11 +7,15 @@ mod friction;
 mod rows;
 mod solve;
 mod state_variable;
+mod sums;
+mod terms;
 
 pub use friction::{Friction, LoadTerms, Parameter};
 pub use rows::{LEAST_FROM_ROWS, TERMS, TorqueBalance, Torques};
 pub use state_variable::StateVariable;
 pub(super) use {
-    rows::{BalanceState, BalanceSums, Regressors, Terms},
+    rows::{BalanceState, Regressors},
     solve::Estimated,
+    sums::BalanceSums,
+    terms::Terms,
 };

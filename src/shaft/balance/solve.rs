@@ -4,7 +4,9 @@
 //! [`super::balance`].
 
 use super::friction::{Friction, LoadTerms, Parameter};
-use super::rows::{BalanceSums, TERMS, Terms, TorqueBalance};
+use super::rows::{TERMS, TorqueBalance};
+use super::sums::BalanceSums;
+use super::terms::Terms;
 use crate::plan::Load;
 use crate::reason::{FrictionTerm, Part, Reason};
 use crate::regression::factor::kernels::pairs;
