@@ -198,12 +198,10 @@ impl Values {
         if count >= fewest(features) {
             return;
         }
-        // With an angle training chooses as many features as the number of records allows. More classes need more than
-        // a gate of few records does.
-        if self.values.contains_key("angle") && (classes.len() == 1 || classes.len() == 2 && count >= fewest(2)) {
-            return;
-        }
-        match current.filter(|_| count >= fewest(2) && classes.len() < 3) {
+        // More classes need more features than a gate of few records allows. From healthy records with an angle
+        // training chooses as many features as their number allows.
+        let chosen = self.values.contains_key("angle") && classes.len() == 1;
+        match current.filter(|_| count >= fewest(2) && classes.len() < 3 && !chosen) {
             Some(current) => {
                 let why = format!(
                     "{count} healthy {what} support a gate of two features; of {features}, {}. {UNTIL_A_BEARING}",

@@ -22,15 +22,8 @@ struct Judged {
 /// # Errors
 /// No recipe can be trained; then the reason of the first one.
 pub(super) fn choose(own: &Estimates<'_>, situation: &Situation) -> Result<(Recipe, Automatic), Error> {
-    let mut recipes = candidates::with_and_without(candidates::of_classes(own, situation));
-    let judge = |recipe: &Recipe| of(own, recipe);
-    let mut judged: Vec<Result<Judged, Error>> = recipes.par_iter().map(judge).collect();
-    if judged.iter().all(Result::is_err) {
-        // So few healthy segments support a gate of fewer features only.
-        let fewer = candidates::of_few(own, situation);
-        judged.extend(fewer.par_iter().map(judge).collect::<Vec<_>>());
-        recipes.extend(fewer);
-    }
+    let recipes = candidates::with_and_without(candidates::of_classes(own, situation));
+    let mut judged: Vec<Result<Judged, Error>> = recipes.par_iter().map(|recipe| of(own, recipe)).collect();
     let best = judged.iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
     let Some(limit) = best.map(|best| best.cost + best.error) else {
         return Err(judged.swap_remove(0).err().unwrap_or_else(|| Error::Training("no recipe".into())));
