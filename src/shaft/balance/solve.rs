@@ -113,21 +113,19 @@ impl Estimated {
         rows: u32,
     ) -> Result<Friction, Reason> {
         let terms = Terms::of(known);
-        let at = |term: FrictionTerm| self.parameter(balance, terms, terms.column(term));
+        let at = |k: usize| self.parameter(balance, terms, k);
+        let [inertia, viscous, coulomb, offset, stribeck] = terms.always();
         let friction = Friction {
-            inertia: at(FrictionTerm::Inertia),
-            viscous: at(FrictionTerm::Viscous),
-            coulomb: at(FrictionTerm::Coulomb),
-            offset: at(FrictionTerm::Offset),
+            inertia: at(inertia),
+            viscous: at(viscous),
+            coulomb: at(coulomb),
+            offset: at(offset),
             load: match known {
                 Load::Unknown => LoadTerms::Unknown,
-                Load::Measured(_) => LoadTerms::Measured {
-                    inverse_torque_constant: at(FrictionTerm::InverseTorqueConstant),
-                    load_friction: at(FrictionTerm::LoadFriction),
-                },
+                Load::Measured(_) => LoadTerms::Measured { inverse_torque_constant: at(3), load_friction: at(5) },
                 Load::Weight { .. } => LoadTerms::Weight(self.weight()),
             },
-            stribeck: at(FrictionTerm::Stribeck),
+            stribeck: at(stribeck),
             drag: self.drag(balance, terms),
             variance: self.variance,
             rows,

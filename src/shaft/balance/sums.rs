@@ -113,17 +113,17 @@ impl BalanceSums {
     #[inline(never)]
     pub(in crate::shaft) fn is_at_rest(&self, balance: &TorqueBalance, terms: Terms) -> bool {
         const SIGN: usize = FrictionTerm::Coulomb as usize;
-        let (columns, sign) = (terms.columns(), terms.column(FrictionTerm::Coulomb));
+        let (columns, [_, _, sign, ..]) = (terms.columns(), terms.always());
         // The sum of squares of a column by the factor, less the weight of its prior.
-        let mut sum = 0.0;
-        for k in 0..sign {
+        let above = |k: usize| {
             let r = self.r.get(packed(columns, k, sign)).copied().unwrap_or(0.0);
-            sum += self.d.get(k).copied().unwrap_or(0.0) * r * r;
-        }
+            self.d.get(k).copied().unwrap_or(0.0) * r * r
+        };
+        let of_weight = if sign > SIGN { above(2) + above(3) } else { 0.0 };
         let scale = balance.scale_of(SIGN);
         let ratio = balance.deviation * scale / balance.prior.get(SIGN).copied().unwrap_or(1.0);
         let own = self.d.get(sign).copied().unwrap_or(0.0) - balance.row_spread * ratio * ratio;
-        sum + own < AT_REST * scale * scale * self.rows as f32
+        above(0) + above(1) + of_weight + own < AT_REST * scale * scale * self.rows as f32
     }
 
     /// Lets the weight change along `by`, the deviation of the change of both its parameters: (7), where the first two

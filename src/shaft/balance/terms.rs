@@ -2,7 +2,6 @@
 
 use super::rows::COLUMNS;
 use crate::plan::Load;
-use crate::reason::FrictionTerm;
 
 /// The terms of (1) that a plan estimates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,22 +37,13 @@ impl Terms {
         }
     }
 
-    /// The column of a term: that of a term without a column is another one's.
+    /// The columns of what every plan has: inertia, viscous and Coulomb friction, offset, Stribeck part.
     #[inline(always)]
-    pub(in crate::shaft) const fn column(self, term: FrictionTerm) -> usize {
-        let [loadless, weight] = match term {
-            FrictionTerm::Inertia => [0, 2],
-            FrictionTerm::Viscous => [1, 3],
-            FrictionTerm::Coulomb => [2, 4],
-            FrictionTerm::InverseTorqueConstant => [0, 0],
-            FrictionTerm::Offset => [3, 5],
-            FrictionTerm::LoadFriction => [0, 1],
-            FrictionTerm::Stribeck | FrictionTerm::Drag => [4, 6],
-        };
+    pub(in crate::shaft) const fn always(self) -> [usize; 5] {
         match self {
-            Self::Loadless => loadless,
-            Self::Measured => term as usize,
-            Self::Weight { .. } => weight,
+            Self::Loadless => [0, 1, 2, 3, 4],
+            Self::Measured => [0, 1, 2, 4, 6],
+            Self::Weight { .. } => [2, 3, 4, 5, 6],
         }
     }
 
