@@ -22,7 +22,7 @@ pub use crate::decide::{
 pub use crate::record::Field;
 pub use crate::regression::Regression;
 pub use crate::regression::factor::{Forgetting, MAX_LAMBDA, MAX_SEGMENT_ROWS};
-pub use crate::shaft::balance::{StateVariable, TERMS, TorqueBalance};
+pub use crate::shaft::balance::{RESTING, RESTING_ROWS, StateVariable, TERMS, TorqueBalance};
 pub use crate::shaft::delays::{Lags, MAX_LAG};
 pub use crate::shaft::orders::{Blocks, CONTROLS, LAGS, TrackedOrder, Tracking, q16};
 pub use crate::shaft::state::{BRIDGE, ShaftConstants};

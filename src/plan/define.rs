@@ -90,6 +90,7 @@ macro_rules! plan {
             };
 
             const _: () = {
+                // Evaluated where a plan is compiled, and never in a program.
                 if let Err(error) = LAYOUT.check() {
                     panic!("{}", error.message());
                 }

@@ -133,6 +133,12 @@ impl Load {
             Self::Unknown | Self::Weight { .. } => None,
         }
     }
+
+    /// Whether the torque balance has terms for it.
+    #[inline(always)]
+    pub(crate) const fn has_terms(self) -> bool {
+        !matches!(self, Self::Unknown)
+    }
 }
 
 /// The shaft of a plan. Torque balance and bearing orders use the same channels.

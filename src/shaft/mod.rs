@@ -31,14 +31,15 @@
 
 pub(crate) mod balance;
 pub(crate) mod delays;
+mod estimate;
 pub(crate) mod orders;
 mod plausibility;
 pub(crate) mod solve;
 pub(crate) mod state;
 
 pub use balance::{Friction, LoadTerms, Parameter};
+pub use estimate::ShaftEstimate;
 pub use orders::{Bearing, OrderStrength};
-pub use state::ShaftEstimate;
 
 pub(crate) use balance::{LEAST_FROM_ROWS, StateVariable, TorqueBalance};
 pub(crate) use delays::Lags;

@@ -1,9 +1,10 @@
 //! The solve of the shaft's sums in steps: torque balance, noise, then one order after the other.
 
-use super::balance::{Estimated, Terms};
+use super::balance::Estimated;
+use super::estimate::ShaftEstimate;
 use super::orders::{NoiseLine, OrderStrength, Search, SlipRange};
 use super::plausibility::{self, Usage};
-use super::state::{ShaftConstants, ShaftEstimate, ShaftSums};
+use super::state::{ShaftConstants, ShaftSums};
 use crate::plan::{Cells, Load, ShaftLengths};
 use crate::reason::{Part, Reason};
 
@@ -59,37 +60,37 @@ impl ShaftSolve {
         estimate: &mut ShaftEstimate<P>,
     ) -> bool {
         let known = plan.layout().shaft.map_or(Load::Unknown, |layout| layout.load);
-        let terms = Terms::of(known);
+        let load = known.has_terms();
         self.next = match self.next {
             Step::TorqueBalance => {
                 if let Some(reason) = short(sums, estimate) {
                     (estimate.friction_reason, estimate.orders_reason) = (Some(reason), Some(reason));
                     return true;
                 }
-                match self.estimated.solve(&constants.balance, terms, &mut sums.balance) {
+                match self.estimated.solve(&constants.balance, load, &mut sums.balance) {
                     Ok(()) => Step::Covariance,
                     Err(reason) => {
-                        let rests = sums.balance.is_at_rest(&constants.balance, terms);
+                        let rests = sums.balance.is_at_rest(&constants.balance, load);
                         estimate.friction_reason = Some(if rests { Reason::AtRest } else { reason });
                         Step::Noise
                     }
                 }
             }
             Step::Covariance => {
-                self.estimated.correlate(&constants.balance, terms, &mut sums.balance);
+                self.estimated.correlate(&constants.balance, load, &mut sums.balance);
                 Step::Friction
             }
             Step::Friction => {
                 match self.estimated.friction(&constants.balance, known, sums.balance.rows) {
                     Ok(friction) => {
                         estimate.stuck = plausibility::is_stuck(&constants.balance, &friction, &sums.usage);
-                        if sums.balance.is_at_rest(&constants.balance, terms) {
+                        if sums.balance.is_at_rest(&constants.balance, load) {
                             estimate.friction_reason = Some(Reason::AtRest);
                         } else {
                             (estimate.friction, estimate.friction_reason) = (friction, None);
                             let rows = sums.balance.rows;
-                            estimate.opposed = known.measured().is_none()
-                                && self.estimated.is_opposed(&constants.balance, terms, rows);
+                            estimate.opposed =
+                                known.measured().is_none() && self.estimated.is_opposed(&constants.balance, load, rows);
                         }
                     }
                     Err(reason) => estimate.friction_reason = Some(reason),

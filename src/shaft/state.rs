@@ -1,13 +1,12 @@
-//! The shaft at each sample: constants, running state, the sums of a segment and their estimate.
+//! The shaft at each sample: constants, running state, and the sums of a segment.
 
 use core::f32::consts::TAU;
 
-use super::balance::{BalanceState, BalanceSums, Friction, Terms, TorqueBalance, Torques};
+use super::balance::{BalanceState, BalanceSums, TorqueBalance, Torques};
 use super::delays::{BEFORE, Delay, Delays, FILTERED_RING, Lags, RING, TAPS, half_band};
-use super::orders::{OrderStrength, OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking, phasor};
-use super::plausibility::{self, Usage};
+use super::orders::{OrderSums, OrderTracking, Residual, ResidualState, Taken, Tracking, phasor};
+use super::plausibility::Usage;
 use crate::plan::{Array, Cells, Load, ShaftLayout, ShaftLengths, Signals};
-use crate::reason::{Implausible, Part, Reason};
 use crate::signal::{Angle, Travel, TravelSums, read};
 
 /// A count of 2⁻³² turn, rad.
@@ -28,75 +27,6 @@ pub struct ShaftConstants<P: ShaftLengths> {
     pub balance: TorqueBalance,
     /// The bearing orders.
     pub tracking: Tracking<P>,
-}
-
-/// The shaft in one segment.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ShaftEstimate<P: ShaftLengths> {
-    /// Torque balance; zeros if there is a reason.
-    pub friction: Friction,
-    /// Why there is no torque balance.
-    pub friction_reason: Option<Reason>,
-    pub(crate) orders: Array<P::Orders, OrderStrength>,
-    /// Why there are no orders.
-    pub orders_reason: Option<Reason>,
-    /// Part of the segment's samples with a residual of measured samples only, 0 … 1.
-    pub usable: f32,
-    /// The integral of the velocity over the motion of the angle, 1 if rate, unit and sign are right; `None` without a
-    /// channel of the velocity, or if the shaft hardly moved.
-    pub velocity_ratio: Option<f32>,
-    /// Whether the torque balance without a load has the opposite sign.
-    pub(super) opposed: bool,
-    /// Whether the current changes while the angle never does.
-    pub(super) stuck: bool,
-}
-
-impl<P: ShaftLengths> ShaftEstimate<P> {
-    /// No estimate.
-    pub(crate) fn empty(plan: P) -> Self {
-        let few = |part| Some(Reason::TooFewRows { part, rows: 0 });
-        Self {
-            friction: Friction::default(),
-            friction_reason: few(Part::TorqueBalance),
-            orders: Cells::filled(plan.layout().orders(), OrderStrength::default()),
-            orders_reason: few(Part::Orders),
-            usable: 0.0,
-            velocity_ratio: None,
-            opposed: false,
-            stuck: false,
-        }
-    }
-
-    /// Compares velocity and angle by the sums; returns what is wrong with the signals by motion and torque balance,
-    /// `None` if nothing is, or nothing is known.
-    pub(crate) fn contradiction(
-        &mut self,
-        plan: P,
-        constants: &ShaftConstants<P>,
-        sums: &ShaftSums<P>,
-    ) -> Option<Implausible> {
-        let interval_s = constants.balance.interval_s;
-        self.velocity_ratio = sums.travel.ratio(interval_s);
-        let friction = self.friction_reason.is_none().then_some(&self.friction);
-        if plan.layout().needs_angle() && (sums.travel.stands() || self.stuck) {
-            return Some(Implausible::StuckAngle);
-        }
-        plausibility::of_motion(&sums.travel, interval_s, &sums.usage).or_else(|| {
-            let friction = friction?;
-            if self.opposed {
-                return Some(Implausible::Sign);
-            }
-            let explained = sums.balance.explained(terms(plan));
-            plausibility::of_balance(&constants.balance, friction, explained)
-        })
-    }
-
-    /// The bearing orders, in the order of [`Tracking::orders`], amplitudes in A; zeros if there is a reason.
-    #[must_use]
-    pub fn orders(&self) -> &[OrderStrength] {
-        self.orders.cells()
-    }
 }
 
 /// The signals of a sample.
@@ -147,14 +77,14 @@ pub struct ShaftSums<P: ShaftLengths> {
     pub(super) balance: BalanceSums,
     pub(super) orders: OrderSums<P>,
     pub(super) usage: Usage,
-    travel: TravelSums,
+    pub(super) travel: TravelSums,
 }
 
 impl<P: ShaftLengths> ShaftSums<P> {
     /// Nothing but the prior of the balance.
     pub(crate) fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
         Self {
-            balance: BalanceSums::new(&constants.balance, terms(plan)),
+            balance: BalanceSums::new(&constants.balance, has_load(plan)),
             orders: OrderSums::new(plan),
             usage: Usage::default(),
             travel: TravelSums::default(),
@@ -169,15 +99,15 @@ impl<P: ShaftLengths> ShaftSums<P> {
     /// Nothing but the prior again, in place, since new ones would be moved.
     #[inline(always)]
     pub(crate) fn clear(&mut self, plan: P, constants: &ShaftConstants<P>) {
-        self.balance.clear(&constants.balance, terms(plan));
+        self.balance.clear(&constants.balance, has_load(plan));
         self.orders.clear();
         (self.usage, self.travel) = (Usage::default(), TravelSums::default());
     }
 }
 
 #[inline(always)]
-fn terms<P: ShaftLengths>(plan: P) -> Terms {
-    plan.layout().shaft.map_or(Terms::Loadless, |shaft| Terms::of(shaft.load))
+pub(super) fn has_load<P: ShaftLengths>(plan: P) -> bool {
+    plan.layout().shaft.is_some_and(|shaft| shaft.load.has_terms())
 }
 
 impl<P: ShaftLengths> Shaft<P> {
@@ -315,7 +245,7 @@ impl<P: ShaftLengths> Shaft<P> {
             self.travel.close_any(&mut sums.travel, slowest, interval_s);
         }
         let regressors = &balance.regressors(now, self.weight(layout.load));
-        self.balance.step(&mut sums.balance, (balance, Terms::of(layout.load)), now, regressors, clean);
+        self.balance.step(&mut sums.balance, (balance, layout.load), now, regressors, clean);
         if layout.orders == 0 {
             return None;
         }

@@ -53,7 +53,7 @@ fn run() {
     watched(counter, "LS and shaft, 4 orders of 3 harmonics", 4, &shaft::MODEL);
     watched(counter, "shaft alone, 2 orders of 3 harmonics", 2, &shaft::CHOSEN);
     watched(counter, "shaft alone, 1 order, no load", 1, &shaft::LOADLESS);
-    watched(counter, "shaft alone, 1 order, a weight on an axis", 1, &shaft::WEIGHING);
+    watched(counter, "shaft alone, 1 order, a weight that changes on an axis", 1, &shaft::WEIGHING);
     runs(counter);
     decimation::measure(counter, |name, factor, instructions, bytes| {
         report(name, factor, instructions, bytes);

@@ -1,6 +1,6 @@
 // The second step: columns, questions, bearing and classes, which become lines of drive.toml and labels.csv.
 
-import { by, course, make, short, table } from "./dom.js";
+import { by, course, make, range, short, table } from "./dom.js";
 import { DRIVE, rewrite, say, session, show } from "./runs.js";
 import { answered, classesOf, isOpen, number, withClasses, withKey } from "./texts.js";
 
@@ -27,12 +27,9 @@ export function showDescription(drive, labels) {
 }
 
 function columns(seen) {
-  const range = (parts) => {
-    const low = Math.min(...parts.map((part) => part[0])), high = Math.max(...parts.map((part) => part[1]));
-    return parts.length ? `${short(low)} … ${short(high)}` : "no number";
-  };
+  const span = (parts) => (parts.length ? range(parts).map(short).join(" … ") : "no number");
   const rows = seen.columns.map((own) => [
-    own.name, ROLES[own.role] ?? own.role, own.quantity, own.unit, range(own.course),
+    own.name, ROLES[own.role] ?? own.role, own.quantity, own.unit, span(own.course),
     own.course.length ? course(own.course, `Course of ${own.name}`) : null,
   ]);
   const rate = seen.rate_hz ? `, ${short(seen.rate_hz)} a second` : "";

@@ -25,9 +25,13 @@ export function table(caption, heads, rows) {
 
 const SVG = "http://www.w3.org/2000/svg";
 
+/** Lowest and highest value of the parts of a recording. */
+export const range = (parts) =>
+  [Math.min(...parts.map(([low]) => low)), Math.max(...parts.map(([, high]) => high))];
+
 /** The course of a column: its lowest and highest value in parts of the recording. */
 export function course(parts, about) {
-  const low = Math.min(...parts.map((part) => part[0])), high = Math.max(...parts.map((part) => part[1]));
+  const [low, high] = range(parts);
   const height = (x) => (high > low ? 2 + (28 * (high - x)) / (high - low) : 16);
   const at = (k) => ((k + 0.5) * 120) / parts.length;
   const above = parts.map(([, own], k) => `${at(k)},${height(own)}`);

@@ -62,6 +62,9 @@ export function commandLine(words) {
   return ["bearing-watch", ...words].map(quoted).join(" ");
 }
 
+/** What to say of a file of the computer that is not there any more. */
+export const GONE = "A file cannot be read any more: it was changed, moved or removed. Take it again.";
+
 /** What to say of a run that has failed; empty if it has not. */
 export function failure(run) {
   if (run.stopped) return "Stopped. Nothing was changed.";
@@ -74,7 +77,5 @@ export function failure(run) {
   }
   if (run.code < 2) return "";
   const text = run.notes.trim().replace(/^error: /, "");
-  return /input\/output error|I\/O error/i.test(text)
-    ? `${text}. A file cannot be read any more: it was changed, moved or removed. Take it again.`
-    : text;
+  return /input\/output error|I\/O error/i.test(text) ? `${text}. ${GONE}` : text;
 }

@@ -1,6 +1,7 @@
 // Recordings that come in: those of which a model is made, and others that it judges.
 
 import { by, make, short, size, table } from "./dom.js";
+import { GONE } from "./program.js";
 import { command, DRIVE, keep, kept, MODEL, result, say, session, show } from "./runs.js";
 import { chosen, dropped, placed, refusal } from "./session.js";
 
@@ -113,8 +114,7 @@ export async function attempt(work) {
     await work();
   } catch (error) {
     const isGone = ["NotFoundError", "NotReadableError"].includes(error.name);
-    const gone = "A file cannot be read any more: it was changed, moved or removed. Take it again.";
-    say(isGone ? gone : error.message, true);
+    say(isGone ? GONE : error.message, true);
   }
 }
 

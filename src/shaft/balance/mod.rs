@@ -8,14 +8,12 @@ mod rows;
 mod solve;
 mod state_variable;
 mod sums;
-mod terms;
 
 pub use friction::{Friction, LoadTerms, Parameter};
-pub use rows::{LEAST_FROM_ROWS, TERMS, TorqueBalance, Torques};
+pub use rows::{LEAST_FROM_ROWS, RESTING, RESTING_ROWS, TERMS, TorqueBalance, Torques};
 pub use state_variable::StateVariable;
 pub(super) use {
     rows::{BalanceState, Regressors},
     solve::Estimated,
     sums::BalanceSums,
-    terms::Terms,
 };

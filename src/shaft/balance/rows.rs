@@ -16,11 +16,13 @@
 //! the excess of break-away friction Ts over sliding friction Tc. A weight on an axis behind a gear or belt is a sine
 //! of the axis' angle ψ, which the motor knows but for where it started: (6) is the load of such a plan, of unknown
 //! amplitude W and phase. If the payload changes within a segment, the weight may have changed by half of itself behind
-//! each rest (7): Λ is the information on p₃ and p₅ given the other terms, which keep theirs. Rows at rest, where a brake
-//! or dry friction may carry the weight, are then left out. All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of
-//! the *measured* velocity: under a fluctuating load the velocity reverses when the reference does not, and friction
-//! follows the velocity. The current is the output because the load is usually known better; therefore all parameters
-//! are in amperes.
+//! each rest (7): Λ is the information of the rows, of which only that on p₃ and p₅ given the other terms is lost. Rows
+//! at rest, where a brake or dry friction may carry the weight, are then left out.
+//!
+//! All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without differentiating noise; every n-th
+//! filtered sample is a row. The sign (2) is that of the *measured* velocity: under a fluctuating load the velocity
+//! reverses when the reference does not, and friction follows the velocity. The current is the output because the load
+//! is usually known better; therefore all parameters are in amperes.
 //!
 //! Each segment starts from a weak prior, the healthy parameters with [`TorqueBalance::prior`] as their deviations,
 //! as if earlier rows had given them. A parameter that the motion does not excite keeps its prior: at constant speed
@@ -43,8 +45,8 @@
 
 use super::friction::{Friction, Parameter};
 use super::state_variable::{Cell, StateVariable};
-use super::sums::BalanceSums;
-use super::terms::Terms;
+use super::sums::{BalanceSums, columns};
+use crate::plan::Load;
 use crate::reason::FrictionTerm;
 use crate::record::{LONGEST_S, record};
 use crate::regression::factor::kernels::pairs;
@@ -57,10 +59,14 @@ pub(super) const COLUMNS: usize = TERMS + 1;
 const ROWS_A_REFRESH: u8 = 16;
 /// Least c of (5): a smaller one consists of rounding errors.
 pub const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
-/// Filtered velocity of a shaft that rests before its next move, in parts of the usual one, and rows that are so. A
-/// controller that holds a weight lets it drift.
-const RESTING: f32 = 0.15;
-const RESTING_ROWS: u8 = 3;
+/// Filtered velocity below which a shaft rests before its next move, in parts of the usual one. A controller that holds
+/// a weight lets it drift.
+pub const RESTING: f32 = 0.15;
+/// Rows in a row below it that are a rest.
+pub const RESTING_ROWS: u8 = 3;
+/// The terms of (1) in a plan without a load.
+pub(super) const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
+const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];
 /// Deviation of what a rest adds to the weight, in parts of the weight.
 const PAYLOAD: f32 = 0.5;
 
@@ -183,6 +189,12 @@ impl TorqueBalance {
         Regressors { sign, stribeck: sign / (1.0 + ratio * ratio), load }
     }
 
+    /// The terms that a plan estimates, in the order of the columns.
+    #[inline(always)]
+    pub(in crate::shaft) const fn terms(load: bool) -> &'static [usize] {
+        if load { &WITH_LOAD } else { &WITHOUT_LOAD }
+    }
+
     /// The coefficient of each of p₀ … p₆ in the drag (4).
     pub(in crate::shaft) fn in_drag(&self) -> [f32; TERMS] {
         let ratio = self.usual_velocity_rad_s / self.stribeck_velocity_rad_s;
@@ -256,27 +268,27 @@ impl BalanceState {
     pub(in crate::shaft) fn step(
         &mut self,
         sums: &mut BalanceSums,
-        (balance, terms): (&TorqueBalance, Terms),
+        (balance, known): (&TorqueBalance, Load),
         now: &Torques,
         regressors: &Regressors,
         good: bool,
     ) {
-        let bank = &balance.filter;
+        let (bank, load) = (&balance.filter, known.has_terms());
         let (i, _) = self.current.step(bank, now.current_a);
         let (w, slope) = self.velocity.step(bank, now.velocity_rad_s);
         let (s, _) = self.sign.step(bank, regressors.sign);
         let (b, _) = self.stribeck.step(bank, regressors.stribeck);
-        let (t, q) = if terms != Terms::Loadless {
+        let (t, q) = if load {
             let ([first, second], [t, q]) = (&mut self.load, regressors.load);
             (first.step(bank, t).0, second.step(bank, q).0)
         } else {
             (0.0, 0.0)
         };
         if self.left > 0 {
-            self.substitute(sums, balance, terms);
+            self.substitute(sums, balance, load);
         }
         for _ in 0..self.pivots {
-            if !sums.rotate(terms) {
+            if !sums.rotate(load) {
                 break;
             }
         }
@@ -289,16 +301,13 @@ impl BalanceState {
         if self.refresh == 0 {
             self.refresh = ROWS_A_REFRESH;
             if sums.rows >= u32::from(balance.adapt_after_rows) && balance.adapt_after_rows < u16::MAX {
-                self.left = terms.columns().wrapping_sub(1);
+                self.left = columns(load).wrapping_sub(1);
             }
-        } else if good && !(terms == (Terms::Weight { changes: true }) && self.rests(sums, balance, w)) {
+        } else if good && !(matches!(known, Load::Weight { changes: true, .. }) && self.rests(sums, balance, w)) {
             let [k0, k1, k2, k3, k4, k5, k6, k7] = balance.scale;
             let (a, w, s, b, i) = (slope * bank.rate_per_s * k0, w * k1, s * k2, b * k6, i * k7);
-            sums.start(match terms {
-                Terms::Loadless => [a, w, s, k4, b, i, 0.0, 0.0],
-                Terms::Measured => [a, w, s, t * k3, k4, q * k5, b, i],
-                Terms::Weight { .. } => [t * k3, q * k5, a, w, s, k4, b, i],
-            });
+            let row = if load { [a, w, s, t * k3, k4, q * k5, b, i] } else { [a, w, s, k4, b, i, 0.0, 0.0] };
+            sums.start(row);
             sums.rows = sums.rows.saturating_add(1);
         }
     }
@@ -322,17 +331,17 @@ impl BalanceState {
 
     /// A parameter of the back substitution, or more where rows are close; with the last one they hold.
     #[inline(never)]
-    fn substitute(&mut self, sums: &BalanceSums, balance: &TorqueBalance, terms: Terms) {
+    fn substitute(&mut self, sums: &BalanceSums, balance: &TorqueBalance, load: bool) {
         for _ in 0..self.pivots {
             if self.left > 0 {
-                self.substitute_one(sums, balance, terms);
+                self.substitute_one(sums, balance, load);
             }
         }
     }
 
     #[inline(always)]
-    fn substitute_one(&mut self, sums: &BalanceSums, balance: &TorqueBalance, terms: Terms) {
-        let (columns, terms) = (terms.columns(), terms.list());
+    fn substitute_one(&mut self, sums: &BalanceSums, balance: &TorqueBalance, load: bool) {
+        let (columns, terms) = (columns(load), TorqueBalance::terms(load));
         let k = self.left.wrapping_sub(1);
         let value = sums.substitute(columns, k, self.scaled.get(self.left..terms.len()).unwrap_or(&[]));
         if let Some(cell) = self.scaled.get_mut(k) {

@@ -5,8 +5,7 @@
 
 use super::friction::{Friction, LoadTerms, Parameter};
 use super::rows::{TERMS, TorqueBalance};
-use super::sums::BalanceSums;
-use super::terms::Terms;
+use super::sums::{BalanceSums, columns};
 use crate::plan::Load;
 use crate::reason::{FrictionTerm, Part, Reason};
 use crate::regression::factor::kernels::pairs;
@@ -14,7 +13,7 @@ use crate::regression::factor::{EffectiveRows, Problem, Solution, SolveError, So
 
 const COVARIANCE: usize = TERMS * (TERMS + 1) / 2;
 
-/// The parameters that are estimated, in the order of [`Terms::list`], and the solve under way.
+/// The parameters that are estimated, in the order of [`TorqueBalance::terms`], and the solve under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Estimated {
@@ -44,25 +43,25 @@ impl Estimated {
     pub(in crate::shaft) fn solve(
         &mut self,
         balance: &TorqueBalance,
-        terms: Terms,
+        load: bool,
         sums: &mut BalanceSums,
     ) -> Result<(), Reason> {
-        while sums.rotate_small(terms) {}
-        let count = terms.columns().wrapping_sub(1);
+        while sums.rotate_small(load) {}
+        let count = columns(load).wrapping_sub(1);
         // Rows alike do not determine a variance.
         let few = (sums.rows as f32) < 2.0 * balance.row_spread * count as f32;
         let rows = sums.rows;
         let solution =
-            if few { Err(SolveError::TooFewRows) } else { self.with(balance, terms, sums, Solution::new::<false>) };
-        self.solution = solution.map_err(|error| reason(error, terms, rows))?;
+            if few { Err(SolveError::TooFewRows) } else { self.with(balance, load, sums, Solution::new::<false>) };
+        self.solution = solution.map_err(|error| reason(error, load, rows))?;
         Ok(())
     }
 
     /// Computes the covariance.
     #[inline(never)]
-    pub(in crate::shaft) fn correlate(&mut self, balance: &TorqueBalance, terms: Terms, sums: &mut BalanceSums) {
+    pub(in crate::shaft) fn correlate(&mut self, balance: &TorqueBalance, load: bool, sums: &mut BalanceSums) {
         let mut solution = self.solution;
-        self.with(balance, terms, sums, |problem, solved| while !solution.add_column::<false>(problem, solved) {});
+        self.with(balance, load, sums, |problem, solved| while !solution.add_column::<false>(problem, solved) {});
     }
 
     /// A step of the solve.
@@ -70,24 +69,19 @@ impl Estimated {
     fn with<R>(
         &mut self,
         balance: &TorqueBalance,
-        terms: Terms,
+        load: bool,
         sums: &mut BalanceSums,
         step: impl FnOnce(&mut Problem<'_>, &mut Solved<'_>) -> R,
     ) -> R {
-        let [k0, k1, k2, k3, k4, k5, k6, k7] = balance.scale;
-        let loadless = [k0, k1, k2, k4, k6, k7];
-        let weight = [k3, k5, k0, k1, k2, k4, k6, k7];
-        let count = terms.columns().wrapping_sub(1);
+        let [k0, k1, k2, _, k4, _, k6, k7] = balance.scale;
+        let without = [k0, k1, k2, k4, k6, k7];
+        let count = columns(load).wrapping_sub(1);
         let problem = &mut Problem {
-            d: sums.d.get_mut(..terms.columns()).unwrap_or_default(),
+            d: sums.d.get_mut(..columns(load)).unwrap_or_default(),
             r: &mut sums.r,
             inputs: count,
             outputs: 0,
-            scale: match terms {
-                Terms::Loadless => &loadless,
-                Terms::Measured => &balance.scale,
-                Terms::Weight { .. } => &weight,
-            },
+            scale: if load { &balance.scale } else { &without },
             base: &[],
             mass: EffectiveRows { rows: sums.rows as f32, spread: balance.row_spread },
             gain: 1.0,
@@ -112,21 +106,20 @@ impl Estimated {
         known: Load,
         rows: u32,
     ) -> Result<Friction, Reason> {
-        let terms = Terms::of(known);
-        let at = |k: usize| self.parameter(balance, terms, k);
-        let [inertia, viscous, coulomb, offset, stribeck] = terms.always();
+        let load = known.has_terms();
+        let at = |k: usize| self.parameter(balance, load, k);
         let friction = Friction {
-            inertia: at(inertia),
-            viscous: at(viscous),
-            coulomb: at(coulomb),
-            offset: at(offset),
+            inertia: at(0),
+            viscous: at(1),
+            coulomb: at(2),
+            offset: at(if load { 4 } else { 3 }),
             load: match known {
                 Load::Unknown => LoadTerms::Unknown,
                 Load::Measured(_) => LoadTerms::Measured { inverse_torque_constant: at(3), load_friction: at(5) },
                 Load::Weight { .. } => LoadTerms::Weight(self.weight()),
             },
-            stribeck: at(stribeck),
-            drag: self.drag(balance, terms),
+            stribeck: at(if load { 6 } else { 4 }),
+            drag: self.drag(balance, load),
             variance: self.variance,
             rows,
         };
@@ -144,8 +137,8 @@ impl Estimated {
     /// J is the sum of squares of residual and prior, C the covariance, m the rows per independent row, and 25 five
     /// standard deviations of a likelihood ratio.
     #[inline(never)]
-    pub(in crate::shaft) fn is_opposed(&self, balance: &TorqueBalance, terms: Terms, rows: u32) -> bool {
-        let terms = terms.list();
+    pub(in crate::shaft) fn is_opposed(&self, balance: &TorqueBalance, load: bool, rows: u32) -> bool {
+        let terms = TorqueBalance::terms(load);
         let pull = |k: usize| {
             let term = terms.get(k).copied().unwrap_or(0);
             let of = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
@@ -167,8 +160,8 @@ impl Estimated {
 
     /// The k-th parameter that is estimated.
     #[inline(never)]
-    fn parameter(&self, balance: &TorqueBalance, terms: Terms, k: usize) -> Parameter {
-        let term = terms.list().get(k).copied().unwrap_or(0);
+    fn parameter(&self, balance: &TorqueBalance, load: bool, k: usize) -> Parameter {
+        let term = TorqueBalance::terms(load).get(k).copied().unwrap_or(0);
         let nominal = balance.nominal.get(term).copied().unwrap_or(1.0);
         let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
         parameter(self.delta.get(k).copied().unwrap_or(0.0), variance, nominal)
@@ -177,16 +170,16 @@ impl Estimated {
     /// The amplitude W of (6), with its deviation by the covariance of its two parameters.
     #[inline(never)]
     fn weight(&self) -> Parameter {
-        let [p3, p5, ..] = self.delta;
+        let [.., p3, _, p5, _] = self.delta;
         let of = |row: usize, column: usize| self.covariance.get(lower(row, column)).copied().unwrap_or(0.0);
         let amplitude = libm::sqrtf(p3 * p3 + p5 * p5).max(f32::MIN_POSITIVE);
         let (c, s) = (p3 / amplitude, p5 / amplitude);
-        parameter(amplitude, c * c * of(0, 0) + 2.0 * c * s * of(1, 0) + s * s * of(1, 1), 0.0)
+        parameter(amplitude, c * c * of(3, 3) + 2.0 * c * s * of(5, 3) + s * s * of(5, 5), 0.0)
     }
 
     /// The drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
-    fn drag(&self, balance: &TorqueBalance, terms: Terms) -> Parameter {
-        let (weights, terms) = (balance.in_drag(), terms.list());
+    fn drag(&self, balance: &TorqueBalance, load: bool) -> Parameter {
+        let (weights, terms) = (balance.in_drag(), TorqueBalance::terms(load));
         let weight = |term: usize| weights.get(term).copied().unwrap_or(0.0);
         let (mut value, mut nominal, mut variance) = (0.0, 0.0, 0.0);
         for (k, (&term, delta)) in pairs(0..usize::MAX, pairs(terms, &self.delta)) {
@@ -211,12 +204,12 @@ fn parameter(value: f32, variance: f32, nominal: f32) -> Parameter {
 }
 
 /// The error with the term that it concerns.
-fn reason(error: SolveError, terms: Terms, rows: u32) -> Reason {
+fn reason(error: SolveError, load: bool, rows: u32) -> Reason {
     match error {
         SolveError::TooFewRows => Reason::TooFewRows { part: Part::TorqueBalance, rows },
         SolveError::WeakInstruments => Reason::WeakInstruments(Part::TorqueBalance),
         SolveError::NotExcited(index) => {
-            let term = terms.list().get(index).and_then(|&term| FrictionTerm::ALL.get(term));
+            let term = TorqueBalance::terms(load).get(index).and_then(|&term| FrictionTerm::ALL.get(term));
             Reason::TermNotExcited(term.copied().unwrap_or(FrictionTerm::Offset))
         }
     }
@@ -232,14 +225,10 @@ mod tests {
         if load { Load::Measured(Signal::channel(0)) } else { Load::Unknown }
     }
 
-    fn terms(load: bool) -> Terms {
-        Terms::of(known(load))
-    }
-
     fn solve(balance: &TorqueBalance, load: bool, sums: &mut BalanceSums) -> Result<Friction, Reason> {
         let mut estimated = Estimated::NONE;
-        estimated.solve(balance, terms(load), sums)?;
-        estimated.correlate(balance, terms(load), sums);
+        estimated.solve(balance, load, sums)?;
+        estimated.correlate(balance, load, sums);
         estimated.friction(balance, known(load), sums.rows)
     }
 
@@ -269,7 +258,7 @@ mod tests {
     /// A shaft with the parameters p under two sines and a load; one solve after 4000 samples.
     fn run(row_interval: u8, load: bool, p: [f32; 5]) -> Result<Friction, Reason> {
         let balance = balance(row_interval);
-        let (mut state, mut sums) = (BalanceState::new(&balance), BalanceSums::new(&balance, terms(load)));
+        let (mut state, mut sums) = (BalanceState::new(&balance), BalanceSums::new(&balance, load));
         for k in 0..4000_u16 {
             let t = f64::from(k) * 0.001;
             let (w, dw) =
@@ -282,7 +271,7 @@ mod tests {
             if k == 0 {
                 state.start(&balance, &now, &balance.regressors(&now, None));
             } else {
-                state.step(&mut sums, (&balance, terms(load)), &now, &balance.regressors(&now, None), true);
+                state.step(&mut sums, (&balance, known(load)), &now, &balance.regressors(&now, None), true);
             }
         }
         solve(&balance, load, &mut sums)
@@ -326,12 +315,12 @@ mod tests {
     /// velocity that hardly varies.
     fn hardly_moving(viscous: f32, spread_rad_s: f32) -> (f32, f32) {
         let balance = TorqueBalance { scale: [1.0; 8], deviation: 0.01, ..balance(8) };
-        let mut sums = BalanceSums::new(&balance, Terms::Measured);
+        let mut sums = BalanceSums::new(&balance, true);
         for k in 0..400_u16 {
             let sign = |bit: u16| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
             let (velocity, error) = (spread_rad_s * sign(0), 0.01 * sign(1));
             sums.start([0.0, velocity, 0.0, 0.0, 1.0, 0.0, 0.0, viscous * velocity + 0.5 + error]);
-            while sums.rotate(Terms::Measured) {}
+            while sums.rotate(true) {}
             sums.rows += 1;
         }
         let friction = solve(&balance, true, &mut sums).unwrap();
@@ -354,7 +343,7 @@ mod tests {
     fn both_ways(rows: u16, load: bool) -> Result<Friction, Reason> {
         let prior = [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1e-3];
         let balance = TorqueBalance { scale: [1.0; 8], deviation: 0.01, row_spread: 2.0, prior, ..balance(8) };
-        let mut sums = BalanceSums::new(&balance, terms(load));
+        let mut sums = BalanceSums::new(&balance, load);
         for k in 0..rows {
             let sign = |bit: u16| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
             let velocity = sign(0) * (20.0 + 0.2 * sign(1));
@@ -365,7 +354,7 @@ mod tests {
                 [0.0, velocity, sign(0), 1.0, 0.0, current, 0.0, 0.0]
             };
             sums.start(row);
-            while sums.rotate(terms(load)) {}
+            while sums.rotate(load) {}
             sums.rows += 1;
         }
         solve(&balance, load, &mut sums)
@@ -418,10 +407,10 @@ mod tests {
     #[test]
     fn a_motionless_shaft_keeps_its_prior() {
         let balance = balance(8);
-        let mut sums = BalanceSums::new(&balance, Terms::Measured);
+        let mut sums = BalanceSums::new(&balance, true);
         for _ in 0..100 {
             sums.start([0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.5]);
-            while sums.rotate(Terms::Measured) {}
+            while sums.rotate(true) {}
             sums.rows += 1;
         }
         let friction = solve(&balance, true, &mut sums).unwrap();

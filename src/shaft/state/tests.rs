@@ -1,6 +1,7 @@
 use super::*;
 use crate::plan::{Layout, Load, Plan as _, RunTime, RunTimeSample, ShaftLayout, Signal};
-use crate::shaft::{Blocks, ShaftSolve, StateVariable, TrackedOrder};
+use crate::reason::Reason;
+use crate::shaft::{Blocks, Friction, ShaftEstimate, ShaftSolve, StateVariable, TrackedOrder};
 use std::vec;
 
 /// Current, velocity, load.

@@ -79,7 +79,7 @@ fn layout(dice: &mut Dice) -> Layout {
         velocity: (dice.below(3) > 0).then_some(velocity),
         load: match dice.below(4) {
             0 => Load::Unknown,
-            1 => Load::Weight { axis_q32: dice.roll(), changes: dice.roll() % 2 == 0 },
+            1 => Load::Weight { axis_q32: dice.roll(), changes: dice.roll().is_multiple_of(2) },
             _ => Load::Measured(load),
         },
         orders: below(dice, 5),

@@ -96,7 +96,7 @@ bearing_watch::plan! {
 }
 
 bearing_watch::plan! {
-    /// The same with a weight on an axis, of one turn in 50 of the motor.
+    /// The same with a weight on an axis, of one turn in 50 of the motor, whose payload changes at rests.
     pub struct Weighing;
     /// One sample of the drive.
     pub struct WeighingSample with angle {
@@ -106,7 +106,7 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: Some(velocity_rad_s),
-            load: Load::Weight { axis_q32: 85_899_346, changes: false },
+            load: Load::Weight { axis_q32: 85_899_346, changes: true },
             orders: 1,
             harmonics: 1,
             decimation: 1,

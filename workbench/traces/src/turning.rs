@@ -417,13 +417,13 @@ mod tests {
         let (velocity, angle) = motion();
         let turns = scaled(&angle, 1.0 / TAU);
         let marks = |turning: Turning| turning.angle.expect("an angle").marks();
-        let found = marks(of(("position", &turns), Some(("velocity", &scaled(&velocity, 0.3)))).2);
-        assert_eq!(found, [("position[?]".to_string(), &["rad", "turn", "deg"][..])]);
+        let position = marks(of(("position", &turns), Some(("velocity", &scaled(&velocity, 0.3)))).2);
+        assert_eq!(position, [("position[?]".to_string(), &["rad", "turn", "deg"][..])]);
         let counts: Vec<f64> = scaled(&angle, 4096.0 / TAU).iter().map(|x| x.round()).collect();
         assert_eq!(marks(of(("position", &counts), None).2), [("position[turn/?]".to_string(), &[][..])]);
-        let found = marks(of(("theta_e", &turns), None).2);
-        assert_eq!(found[0], ("theta_e[?]".to_string(), &["rad", "turn", "deg"][..]));
-        assert_eq!(found[1], (") rad)/?".to_string(), &[][..]));
+        let electrical = marks(of(("theta_e", &turns), None).2);
+        assert_eq!(electrical[0], ("theta_e[?]".to_string(), &["rad", "turn", "deg"][..]));
+        assert_eq!(electrical[1], (") rad)/?".to_string(), &[][..]));
     }
 
     #[test]

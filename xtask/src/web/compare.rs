@@ -91,7 +91,7 @@ fn hindrance(case: &Case) -> Option<String> {
 }
 
 /// The recorded data, see CONTRIBUTING.md.
-pub fn data() -> PathBuf {
+fn data() -> PathBuf {
     std::env::var_os("BEARING_WATCH_DATA").map_or_else(|| workspace::root().join("../shared/data"), PathBuf::from)
 }
 
@@ -125,8 +125,8 @@ fn compare(case: &Case, native: &Command, program: &Path) -> Result<String> {
     let mut files = 0;
     for line in case.commands.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let mut own = Command::new(native.get_program());
-        let native = child::captured(own.args(&words).current_dir(&folders[0]))?;
+        let mut command = Command::new(native.get_program());
+        let native = child::captured(command.args(&words).current_dir(&folders[0]))?;
         let page = child::captured(in_node(program, &folders[1]).args(&words))?;
         let errors = || String::from_utf8_lossy(&page.stderr).into_owned();
         // An audit that finds something ends with 1.

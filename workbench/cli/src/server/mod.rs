@@ -208,8 +208,8 @@ pub(crate) fn stop_flag() -> Result<Arc<AtomicBool>, Error> {
     let flag = Arc::new(AtomicBool::new(false));
     #[cfg(not(target_family = "wasm"))]
     {
-        let own = Arc::clone(&flag);
-        ctrlc::set_handler(move || own.store(true, Ordering::Relaxed))
+        let set = Arc::clone(&flag);
+        ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))
             .map_err(|error| Error::Usage(format!("Ctrl-C cannot be handled: {error}")))?;
     }
     Ok(flag)

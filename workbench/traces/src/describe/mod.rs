@@ -55,8 +55,8 @@ pub struct Described {
     pub questions: Vec<Question>,
     /// Why training refuses the file, if it does.
     pub refused: Option<String>,
-    /// Labels, and the columns of the first recording.
-    found: Value,
+    /// The labels, and the columns of the first recording, as JSON.
+    recordings: Value,
 }
 
 impl Described {
@@ -134,7 +134,7 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         }
     };
     let questions = report::questions(&found);
-    Ok(Described { told, question, questions, refused, found: report::found(&found), file: out })
+    Ok(Described { told, question, questions, refused, recordings: report::recordings(&found), file: out })
 }
 
 fn folder_of(path: &Path) -> PathBuf {

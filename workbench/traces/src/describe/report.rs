@@ -131,8 +131,8 @@ fn quantity(unit: &Unit) -> &'static str {
     }
 }
 
-/// What was found, as the report of a description has it.
-pub(super) fn found(found: &Found) -> Value {
+/// The labels, and the columns of the first recording, as JSON.
+pub(super) fn recordings(found: &Found) -> Value {
     let channel = |column: &Column| {
         json!({
             "name": column.name,
@@ -163,7 +163,7 @@ impl Described {
             .map(|own| json!({ "question": own.text, "marks": own.marks, "key": own.key, "answers": own.answers }));
         let mut value = json!({ "drive_file": self.file, "told": self.told, "refused": self.refused });
         let further = json!({ "questions": questions.collect::<Vec<_>>() });
-        for part in [self.found.clone(), further] {
+        for part in [self.recordings.clone(), further] {
             value.as_object_mut().into_iter().zip(part.as_object()).for_each(|(all, own)| all.extend(own.clone()));
         }
         value

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::model::TorqueBalance;
+use bearing_watch::model::{RESTING, RESTING_ROWS, TorqueBalance};
 
 use crate::grey_box::filter::LowPass;
 use crate::trace::bridged;
@@ -13,10 +13,6 @@ pub(crate) type Rates = (f64, u8);
 
 /// Number of columns of a velocity.
 pub(crate) const COLUMNS: usize = 4;
-
-/// Filtered velocity of a rest, in parts of the usual one, and rows from which it is one.
-const RESTING: f64 = 0.15;
-const RESTING_ROWS: usize = 3;
 
 /// The filter of the core's torque balance, over whole records.
 pub(crate) struct Filtered<'a> {
@@ -55,12 +51,10 @@ impl<'a> Filtered<'a> {
         let samples = |steps: u16| usize::from(steps) * self.decimation;
         (samples(self.balance.settle)..length).step_by(samples(self.balance.row_interval.into()).max(1))
     }
-}
 
-impl Filtered<'_> {
     /// The rows between rests, as the core finds rests by its filtered velocity.
     pub(crate) fn stretches(&self, velocity: &[f64], rows: &[usize]) -> Vec<Vec<usize>> {
-        let slowest = RESTING * f64::from(self.balance.usual_velocity_rad_s);
+        let slowest = f64::from(RESTING * self.balance.usual_velocity_rad_s);
         let (mut stretches, mut resting) = (vec![vec![]], 0);
         for &row in rows {
             resting = if velocity[row].abs() < slowest { resting + 1 } else { 0 };
@@ -71,7 +65,7 @@ impl Filtered<'_> {
                 stretch.push(row);
             }
         }
-        stretches.retain(|own| !own.is_empty());
+        stretches.retain(|stretch| !stretch.is_empty());
         stretches
     }
 }

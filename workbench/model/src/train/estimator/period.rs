@@ -10,10 +10,11 @@
 //! current, S₀ that without the weight, each record with its own c and s: payload and start of the axis differ between
 //! records. The R with the largest (3) is taken if its (2) is at least a half in half of the records: a load that is no
 //! function of the position is not explained by one. A payload that changes while the axis rests moves o from one rest
-//! to the next: if one o does not do, each stretch between rests has its own, in S₀ as well. R is at most four times the travel of the longest record, where a
-//! sine is as good as a parabola, and so is any larger R.
+//! to the next: if one o does not do, each stretch between rests has its own, in S₀ as well. R is at most four times the
+//! travel of the longest record, where a sine is as good as a parabola, and so is any larger R.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use bearing_watch::model::{ShaftConstants, TorqueBalance};
 use nalgebra::{DMatrix, DVector};
@@ -41,19 +42,10 @@ const LEAST_TURNS: f64 = 1.25;
 const TRAVELS: f64 = 4.0;
 /// Ratios that are compared, at most.
 const MOST_RATIOS: usize = 4000;
-
 /// The payload changes within records if an o for each stretch between rests leaves less than this part, and the weight
 /// alone more than that of the current.
 const CHANGES: f64 = 0.5;
 const LEFT: f64 = 0.1;
-
-/// The offsets o of a record.
-#[derive(Clone, Copy, PartialEq)]
-enum Offsets {
-    One,
-    /// One for each stretch between rests.
-    Stretches,
-}
 
 /// What (1) without the weight leaves of the current of a record, and its axis.
 struct Rest {
@@ -83,19 +75,17 @@ pub(crate) fn of(plan: &ShaftPlan, healthy: &[&MotionTrace], interval_s: f64) ->
     let untrained = plan.check(interval_s).ok().and_then(|()| untrained(healthy, interval_s, plan).ok());
     let Some(ShaftConstants { balance, .. }) = untrained else { return plan.axis };
     let (given, rates) = (plan.axis.turns(), plan.rates());
-    let records = [Offsets::One, Offsets::Stretches].map(|offsets| {
-        let of = |motion: &&MotionTrace| Rest::of(motion, &balance, rates, offsets);
-        healthy.par_iter().take(MOST_RECORDS).filter_map(of).collect::<Vec<Rest>>()
-    });
+    let (one, stretches): (Vec<_>, Vec<_>) =
+        healthy.par_iter().take(MOST_RECORDS).map(|motion| Rest::of(motion, &balance, rates)).unzip();
+    let records = [one, stretches].map(|rests| rests.into_iter().flatten().collect::<Vec<Rest>>());
     let of = |turns: f64, given: bool| by_either(&records, turns, given);
-    let mut bests = records.iter().filter_map(|own| best_ratio(own)).map(|turns| of(turns, false));
-    let found = bests.find(|own| own.explained >= EXPLAINED);
-    match (given.map(|turns| of(turns, true)), found) {
-        (Some(own), Some(found)) if 1.0 - found.explained < FAR_LESS * (1.0 - own.explained) => {
-            Axis::Carries(Weight { better: Some(found.turns), ..own })
+    let mut bests = records.iter().filter_map(|rests| best_ratio(rests)).map(|turns| of(turns, false));
+    let searched = bests.find(|weight| weight.explained >= EXPLAINED);
+    match (given.map(|turns| of(turns, true)), searched) {
+        (Some(given), Some(searched)) if 1.0 - searched.explained < FAR_LESS * (1.0 - given.explained) => {
+            Axis::Carries(Weight { better: Some(searched.turns), ..given })
         }
-        (Some(own), _) => Axis::Carries(own),
-        (None, Some(found)) => Axis::Carries(found),
+        (Some(weight), _) | (None, Some(weight)) => Axis::Carries(weight),
         (None, None) => Axis::None,
     }
 }
@@ -103,8 +93,9 @@ pub(crate) fn of(plan: &ShaftPlan, healthy: &[&MotionTrace], interval_s: f64) ->
 /// The weight by one R, with one o or more, whichever explains it better.
 fn by_either(records: &[Vec<Rest>; 2], turns: f64, given: bool) -> Weight {
     let of = |records: &[Rest]| {
-        let all: Vec<[f64; 3]> = records.iter().map(|own| own.explained(turns)).collect();
-        [0, 1, 2].map(|k| if all.is_empty() { 0.0 } else { median(all.iter().map(|own| own[k]).collect::<Vec<f64>>()) })
+        let all: Vec<[f64; 3]> = records.iter().map(|rest| rest.explained(turns)).collect();
+        let of = |k: usize| median(all.iter().map(|explained| explained[k]).collect::<Vec<_>>());
+        [0, 1, 2].map(|k| if all.is_empty() { 0.0 } else { of(k) })
     };
     let [[one, one_a, one_left], [more, more_a, more_left]] = [of(&records[0]), of(&records[1])];
     let changes = !records[1].is_empty() && more_left < CHANGES * one_left && 1.0 - one > LEFT;
@@ -123,8 +114,8 @@ fn best_ratio(records: &[Rest]) -> Option<f64> {
     let count = (((most - least) * TRAVELS * travel).ceil() as usize).clamp(1, MOST_RATIOS);
     let step = (most - least) / count as f64;
     let gain = |inverse: f64| -> f64 {
-        let each = |own: &Rest| own.turns.len() as f64 * -(1.0 - own.explained(1.0 / inverse)[0]).max(1e-9).ln();
-        records.iter().map(each).sum()
+        let of = |rest: &Rest| rest.turns.len() as f64 * -(1.0 - rest.explained(1.0 / inverse)[0]).max(1e-9).ln();
+        records.iter().map(of).sum()
     };
     let best = |inverses: Vec<f64>| {
         let gains: Vec<(f64, f64)> = inverses.into_par_iter().map(|own| (own, gain(own))).collect();
@@ -140,36 +131,46 @@ fn best_ratio(records: &[Rest]) -> Option<f64> {
 }
 
 impl Rest {
-    /// `None` of a record with too few rows, or without a rest to part stretches.
-    fn of(motion: &MotionTrace, balance: &TorqueBalance, rates: Rates, offsets: Offsets) -> Option<Self> {
+    /// With one o, and with one for each stretch between rests; `None` of a record with too few rows, or without a rest
+    /// to part stretches.
+    fn of(motion: &MotionTrace, balance: &TorqueBalance, rates: Rates) -> (Option<Self>, Option<Self>) {
         let filtered = Filtered::new(balance, rates);
         let columns = filtered.columns(&bridged(&motion.velocity_rad_s));
         let rows: Vec<usize> = filtered.rows(motion.current_a.len()).take(MOST_ROWS).collect();
         // At rest a brake or dry friction may carry the weight.
-        let mut stretches = filtered.stretches(&columns[1], &rows);
+        let stretches = filtered.stretches(&columns[1], &rows);
         let rows: Vec<usize> = stretches.concat();
-        if offsets == Offsets::One {
-            stretches = vec![rows.clone()];
-        }
-        if rows.len() < FEWEST || stretches.len() < 2 && offsets == Offsets::Stretches {
-            return None;
+        if rows.len() < FEWEST {
+            return (None, None);
         }
         let at = |column: &[f64]| DVector::from_iterator(rows.len(), rows.iter().map(|&row| column[row]));
-        let one =
-            |of: &Vec<usize>| DVector::from_iterator(rows.len(), rows.iter().map(|row| f64::from(of.contains(row))));
-        let all: Vec<DVector<f64>> = columns.iter().map(|column| at(column)).chain(stretches.iter().map(one)).collect();
+        let moved: Vec<DVector<f64>> = columns.iter().map(|column| at(column)).collect();
+        let current = at(&filtered.signal(&bridged(&motion.current_a)));
+        let turns: Vec<f64> = at(&filtered.signal(&turned(&motion.angle_rad))).iter().copied().collect();
+        let mut end = 0;
+        let ranges = stretches.iter().map(|stretch| {
+            let start = end;
+            end += stretch.len();
+            start..end
+        });
+        let ranges: Vec<Range<usize>> = ranges.collect();
+        let less = |offsets: &[Range<usize>]| Self::less(&moved, offsets, &current, &turns);
+        (less(std::slice::from_ref(&(0..rows.len()))), if ranges.len() > 1 { less(&ranges) } else { None })
+    }
+
+    /// A current without what the motion and an o of each range of rows take.
+    fn less(moved: &[DVector<f64>], offsets: &[Range<usize>], current: &DVector<f64>, turns: &[f64]) -> Option<Self> {
+        let one = |range: &Range<usize>| DVector::from_fn(turns.len(), |row, _| f64::from(range.contains(&row)));
+        let all = moved.iter().cloned().chain(offsets.iter().map(one));
         // A signal that is zero, or a sum of the others, takes nothing.
-        let decomposed = DMatrix::from_columns(&all.iter().map(|own| own / own.norm().max(1e-300)).collect::<Vec<_>>())
-            .svd(true, false);
+        let scaled: Vec<DVector<f64>> = all.map(|column| &column / column.norm().max(1e-300)).collect();
+        let decomposed = DMatrix::from_columns(&scaled).svd(true, false);
         let kept: Vec<usize> =
             (0..decomposed.singular_values.len()).filter(|&k| decomposed.singular_values[k] > 1e-6).collect();
         let taken = decomposed.u?.select_columns(&kept);
-        let current = at(&filtered.signal(&bridged(&motion.current_a)));
-        let rest = &current - &taken * taken.tr_mul(&current);
-        let turns = filtered.signal(&turned(&motion.angle_rad));
-        let turns: Vec<f64> = rows.iter().map(|&row| turns[row]).collect();
-        let whole = rest.norm() > 1e-9 * current.norm() && turns.iter().all(|own| own.is_finite());
-        whole.then_some(Self { taken, rest, turns })
+        let rest = current - &taken * taken.tr_mul(current);
+        let whole = rest.norm() > 1e-9 * current.norm() && turns.iter().all(|turn| turn.is_finite());
+        whole.then(|| Self { taken, rest, turns: turns.to_vec() })
     }
 
     fn travel(&self) -> f64 {
@@ -227,11 +228,14 @@ mod tests {
         for (name, ratio, within, amplitude_a) in
             [("axis-0.15", 50.0, 0.04, 3.0), ("axis-0.4", 50.0, 0.03, 8.0), ("axis-0.15-ratio-5", 5.0, 0.003, 3.0)]
         {
-            let found = weigh(&records(&named(name)), None).expect(name);
-            println!("{name}: {found:?}");
-            assert!((found.turns / ratio - 1.0).abs() < within, "{name}: {found:?}");
-            assert!(found.explained > 0.9 && (found.amplitude_a / amplitude_a - 1.0).abs() < 0.3, "{name}: {found:?}");
-            assert!(!found.given && found.better.is_none() && !found.changes, "{name}: {found:?}");
+            let weight = weigh(&records(&named(name)), None).expect(name);
+            println!("{name}: {weight:?}");
+            assert!((weight.turns / ratio - 1.0).abs() < within, "{name}: {weight:?}");
+            assert!(
+                weight.explained > 0.9 && (weight.amplitude_a / amplitude_a - 1.0).abs() < 0.3,
+                "{name}: {weight:?}"
+            );
+            assert!(!weight.given && weight.better.is_none() && !weight.changes, "{name}: {weight:?}");
         }
     }
 
@@ -239,10 +243,10 @@ mod tests {
     fn a_payload_that_changes_at_rests_is_told_from_one_that_does_not() {
         // Between two rests the axis turns by a fifteenth of a turn, which hardly tells the ratio.
         for (name, changes) in [("axis-cycle", false), ("axis-cycle-steps", true), ("axis-any-cycle-steps", true)] {
-            let found = weigh(&records(&named(name)), None).expect(name);
-            println!("{name}: {found:?}");
-            assert_eq!(found.changes, changes, "{name}: {found:?}");
-            assert!((found.turns / 50.0 - 1.0).abs() < 0.6, "{name}: {found:?}");
+            let weight = weigh(&records(&named(name)), None).expect(name);
+            println!("{name}: {weight:?}");
+            assert_eq!(weight.changes, changes, "{name}: {weight:?}");
+            assert!((weight.turns / 50.0 - 1.0).abs() < 0.6, "{name}: {weight:?}");
         }
     }
 
