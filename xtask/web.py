@@ -7,6 +7,7 @@ saved and opened; then what is wrong is refused. Pictures for people are written
 time is printed that the page takes to train a model of them.
 """
 
+import base64
 import json
 import os
 import pathlib
@@ -27,8 +28,8 @@ PATIENCE_S = 180
 WIDTHS = {375: 812, 1400: 900}
 
 
-def native(folder, line):
-    done = subprocess.run([PROGRAM, *line.split()], cwd=folder, capture_output=True, text=True)
+def native(folder, line, sent=None):
+    done = subprocess.run([PROGRAM, *line.split()], cwd=folder, capture_output=True, input=sent)
     assert done.returncode < 2, f"{line}: {done.stderr}"
     return done.stdout
 
@@ -113,7 +114,7 @@ class Way:
         """Every control that a screen reader meets has a name."""
         nodes = self.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
         roles = {"button", "link", "textbox", "combobox", "checkbox", "spinbutton", "Iframe", "image", "img", "table",
-                 "region", "progressbar", "group", "listbox", "searchbox"}
+                 "region", "progressbar", "group", "listbox", "searchbox", "slider"}
         for node in nodes:
             role = node.get("role", {}).get("value")
             if node.get("ignored") or role not in roles or role == "group":
@@ -208,6 +209,81 @@ def session(way):
     way.until("undo", lambda: not way.element("#judge").is_displayed())
 
 
+def told(way):
+    """What the page of a drive says now."""
+    way.driver.switch_to.frame(way.element("#live iframe"))
+    text = " ".join(own.text for own in way.all("#news"))
+    way.driver.switch_to.default_content()
+    return text
+
+
+def demo(way):
+    """A newcomer damages the simulated drive, and sees the alarm; returns the seconds until then."""
+    way.driver.get(PAGE.as_uri())
+    started = time.monotonic()
+    way.click("#demo-start")
+    said = lambda: way.element("#live-said").text
+    way.until("a healthy verdict", lambda: "healthy. No alarm" in said())
+    move = "const own = document.querySelector('[name=spall]'); own.focus(); return own"
+    way.driver.execute_script(move).send_keys(Keys.PAGE_UP * 5)
+    way.until("an alarm", lambda: "ALARM" in said())
+    seconds = time.monotonic() - started
+    way.until("the reason", lambda: "order has risen" in told(way))
+    way.check_names()
+    way.picture("live")
+    way.click("#live-end")
+    way.until("the end", lambda: "no longer listened to" in way.status())
+    return seconds
+
+
+# A port as the browser gives it, that sends what the test has, and then nothing more.
+PORT = """
+const bytes = Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0));
+const parts = () => new ReadableStream({ start(to) {
+  for (let at = 0; at < bytes.length; at += 5000) to.enqueue(bytes.slice(at, at + 5000));
+} });
+window.opened = null;
+const port = { open: async (about) => { window.opened = about; port.readable = parts(); }, close: async () => {} };
+Object.defineProperty(navigator, "serial", { value: { requestPort: async () => port }, configurable: true });
+"""
+
+
+def cable(way, folder):
+    """A drive on a serial port: its verdicts, what it sent as a file, and its samples as recordings."""
+    frames = native(folder, "demo-drive", b"spall=0\nfault=stuck-angle\n")
+    (folder / "frames.bin").write_bytes(frames)
+    lines = [json.loads(line) for line in native(folder, "listen frames.bin --json --out live").splitlines()]
+    reports = [line for line in lines if line["kind"] == "report"]
+    way.driver.get(PAGE.as_uri())
+    way.driver.execute_script(PORT, base64.b64encode(frames).decode())
+    way.element("#baud").clear()
+    way.element("#baud").send_keys("921600")
+    way.click("#port-open")
+    last = f"Segment {reports[-1]['segment']}: no verdict, because {reports[-1]['undetermined']}"
+    way.until("the last report", lambda: last in way.element("#live-said").text)
+    assert way.driver.execute_script("return window.opened.baudRate") == 921600
+    way.until("the page", lambda: reports[-1]["undetermined"] in told(way))
+    way.click("#live-end")
+    way.until("the end", lambda: "no longer listened to" in way.status())
+    assert way.downloaded("received.bin") == frames
+    way.click("#live-take")
+    way.until("init", lambda: way.all("#columns table"))
+    way.ended("init")
+    samples = sum(line["samples"] for line in lines if line["kind"] == "trace")
+    assert f"{samples} rows" in way.element("#columns caption").text, way.element("#columns caption").text
+    # A port that is refused, or given no rate, is said.
+    way.driver.get(PAGE.as_uri())
+    refuse = "throw new DOMException('Failed to open serial port.', 'NetworkError')"
+    script = f"const port = {{ open: async () => {{ {refuse} }} }};"
+    script += "Object.defineProperty(navigator, 'serial', { value: { requestPort: async () => port } });"
+    way.driver.execute_script(script)
+    way.click("#port-open")
+    way.until("the refusal", lambda: "Failed to open serial port" in way.status())
+    way.element("#baud").clear()
+    way.click("#port-open")
+    way.until("the rate", lambda: "Bits a second is a number" in way.status())
+
+
 def wrong(way, folder):
     """What cannot be used is said in a sentence, and nothing is lost."""
     way.driver.get(PAGE.as_uri())
@@ -240,10 +316,10 @@ def keyboard(way):
     way.driver.get(PAGE.as_uri())
     time.sleep(0.5)
     names = []
-    for _ in range(8):
+    for _ in range(11):
         way.element("body").send_keys(Keys.TAB)
         names.append(way.driver.execute_script("return document.activeElement.id"))
-    wanted = ["open", "choose-folder", "choose-files", "example"]
+    wanted = ["open", "demo-start", "port-open", "baud", "choose-folder", "choose-files", "example"]
     assert [name for name in names if name in wanted] == wanted, names
 
 
@@ -288,6 +364,8 @@ def main():
             compare(way, folder, lines)
             session(way)
             wrong(way, folder)
+            print(f"from the closed page to the alarm of the demo drive: {demo(way):.1f} s")
+            cable(way, folder)
             way.check_log()
             print("passed")
         except BaseException:

@@ -3,6 +3,7 @@
 
 import { listen, showDescription } from "./description.js";
 import { by, download } from "./dom.js";
+import { listenLive } from "./live.js";
 import { attempt, look, showOthers, showRecordings } from "./recordings.js";
 import { DRIVE, keep, MODEL, program, result, say, session, show } from "./runs.js";
 
@@ -48,6 +49,7 @@ for (const [name, words] of Object.entries(COMMANDS)) {
   document.querySelector(`[data-run=${name}]`).addEventListener("click", () => attempt(() => keep(name, words)));
 }
 listen(() => attempt(look));
+listenLive();
 // Beside the place for files, a drop would leave the page.
 for (const kind of ["dragover", "drop"]) addEventListener(kind, (event) => event.preventDefault());
 addEventListener("beforeunload", (event) => { if (!session.isSaved) event.preventDefault(); });

@@ -24,31 +24,45 @@ export class Program {
    */
   async run(words, files, onProgress = () => {}) {
     this.isBusy = true;
+    this.current = await this.start(words, { files, onProgress });
+    const run = await this.current.ended;
+    this.current = null;
+    this.isBusy = false;
+    return run;
+  }
+
+  /**
+   * Starts a command. With `live`, `write` gives it bytes of standard input, none for its end; `onOut` takes what it
+   * prints, `text` or `bytes`, and `onWait` is called when it waits for input. `ended` promises the run as above.
+   */
+  async start(words, { files = [], live = null, onOut = null, onWait = () => {}, onProgress = () => {} }) {
     const module = await this.module;
     const worker = new Worker(this.workerUrl);
     const printed = ["", "", ""];
     const take = (fd, text) => {
       if (fd === 2 && text.startsWith(PROGRESS)) onProgress(text.split(PROGRESS).pop().trim());
+      else if (fd === 1 && onOut) onOut(text);
       else printed[fd] += text;
     };
-    return new Promise((resolve) => {
-      const end = (outcome) => {
+    let end;
+    const ended = new Promise((resolve) => {
+      end = (outcome) => {
         worker.terminate();
-        this.current = null;
-        this.isBusy = false;
         resolve({ code: null, written: [], removed: [], out: printed[1], notes: printed[2], ...outcome });
       };
-      this.current = { stop: () => end({ stopped: true }) };
-      worker.onmessage = ({ data }) => {
-        if (data.kind === "text") take(data.fd, data.text);
-        else end(data);
-      };
-      worker.onerror = (event) => {
-        event.preventDefault();
-        end({ kind: "broken", reason: event.message });
-      };
-      worker.postMessage({ module, words, files });
     });
+    worker.onmessage = ({ data }) => {
+      if (data.kind === "text") take(data.fd, data.text);
+      else if (data.kind === "bytes") onOut(data.bytes);
+      else if (data.kind === "waits") onWait();
+      else end(data);
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      end({ kind: "broken", reason: event.message });
+    };
+    worker.postMessage({ module, words, files, live });
+    return { ended, write: (input) => worker.postMessage({ input }), stop: () => end({ stopped: true }) };
   }
 
   stop() {

@@ -10,7 +10,7 @@ const VERDICTS = 200, OPEN = 40;
 const EXAMPLE = ["--class", "healthy,spall,roughness", "--count", "12", "--condition", "mix", "--severity", "0.5"];
 
 /** Takes files for the model, or for it to judge. */
-async function take(files, isOther) {
+export async function take(files, isOther) {
   if (!files.length) return;
   const refused = refusal(files, session.now.files);
   const { files: own, folders } = placed(files, isOther ? "others" : "recordings", session.now.files);

@@ -28,13 +28,15 @@ function number(error) {
 }
 
 /**
- * The imports of a program with these words over the files below `root`; `print(fd, bytes)` takes what it prints.
+ * The imports of a program with these words over the files below `root`; `print(fd, bytes)` takes what it prints, and
+ * `read(length)` promises the next bytes of its standard input, none at the end; without it there is no input.
  * Set `memory` before the start.
  */
 export class Wasi {
-  constructor(words, root, print) {
+  constructor(words, root, print, read = null) {
     this.words = words;
     this.print = print;
+    this.read = read;
     this.memory = null;
     this.root = root;
     this.open = new Map([[ROOT, { node: root }]]);
@@ -143,6 +145,14 @@ export class Wasi {
     }
     if (place === null) file.at = at;
     return this.u32(read, total);
+  }
+
+  /** The same of standard input, for whose bytes the program waits. */
+  async waited(list, count, read) {
+    const [[to, length]] = [...this.buffers(list, Math.min(count, 1))];
+    const part = await this.read(length);
+    this.bytes(to, part.length).set(part);
+    return this.u32(read, part.length);
   }
 
   output(fd, list, count, written, place = null) {
@@ -321,20 +331,44 @@ export class Wasi {
       }
     };
     const all = Object.fromEntries(Object.entries(known).map(([name, call]) => [name, guarded(call)]));
+    if (this.read) {
+      const { fd_read: now } = all;
+      all.fd_read = new WebAssembly.Suspending((fd, list, count, read) =>
+        (fd === 0 && count > 0 ? this.waited(list, count, read) : now(fd, list, count, read)));
+    }
     return new Proxy(all, { get: (own, name) => own[name] ?? (() => NOSYS) });
   }
+}
+
+function instance(module, wasi) {
+  const { exports } = new WebAssembly.Instance(module, { wasi_snapshot_preview1: wasi.imports() });
+  wasi.memory = exports.memory;
+  return exports;
+}
+
+function code(error) {
+  if (error instanceof Exit) return error.code;
+  throw error;
 }
 
 /** Runs the program to its end; returns its exit code. A trap is thrown. */
 export function run(module, words, root, print) {
   const wasi = new Wasi(["bearing-watch", ...words], root, print);
-  const instance = new WebAssembly.Instance(module, { wasi_snapshot_preview1: wasi.imports() });
-  wasi.memory = instance.exports.memory;
   try {
-    instance.exports._start();
+    instance(module, wasi)._start();
     return 0;
   } catch (error) {
-    if (error instanceof Exit) return error.code;
-    throw error;
+    return code(error);
+  }
+}
+
+/** The same of a program that reads its standard input by `read(length)`; promises its exit code. */
+export async function runWaiting(module, words, root, print, read) {
+  const wasi = new Wasi(["bearing-watch", ...words], root, print, read);
+  try {
+    await WebAssembly.promising(instance(module, wasi)._start)();
+    return 0;
+  } catch (error) {
+    return code(error);
   }
 }

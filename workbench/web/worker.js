@@ -1,7 +1,7 @@
 // Runs one command in a worker: the page stays alive meanwhile, and ends it by ending the worker.
 
 import { Content, tree, walk } from "./files.js";
-import { run } from "./wasi.js";
+import { run, runWaiting } from "./wasi.js";
 
 /** A content that reads a file of the computer when the program does. */
 function onDisk(file) {
@@ -10,10 +10,41 @@ function onDisk(file) {
   return new Content(file.size, read, file.lastModified ?? Date.now());
 }
 
-/** Runs `words` over `files`, a list of paths and blobs; posts what it prints, and what it has written at its end. */
-function work({ module, words, files }) {
+/** What the page gives to standard input: pieces in a row, of which an empty one is the end. */
+class Input {
+  constructor() {
+    this.pieces = [];
+    this.wake = () => {};
+  }
+
+  push(piece) {
+    this.pieces.push(piece);
+    this.wake();
+  }
+
+  async read(length) {
+    if (!this.pieces.length) postMessage({ kind: "waits" });
+    while (!this.pieces.length) await new Promise((resolve) => { this.wake = resolve; });
+    const [first] = this.pieces;
+    if (first.length > length) this.pieces[0] = first.subarray(length);
+    else if (first.length) this.pieces.shift();
+    return first.subarray(0, length);
+  }
+}
+
+const input = new Input();
+
+/**
+ * Runs `words` over `files`, a list of paths and blobs; posts what it prints, and what it has written at its end. With
+ * `live` it also reads what comes later; its standard output is `text` or `bytes`.
+ */
+async function work({ module, words, files, live }) {
   const decoders = [1, 2].map(() => new TextDecoder());
   const print = (fd, bytes) => {
+    if (fd === 1 && live === "bytes") {
+      postMessage({ kind: "bytes", bytes }, [bytes.buffer]);
+      return;
+    }
     const text = decoders[fd - 1].decode(bytes, { stream: true });
     if (text) postMessage({ kind: "text", fd, text });
   };
@@ -21,7 +52,8 @@ function work({ module, words, files }) {
   const before = new Set(files.map(([path]) => path));
   let code;
   try {
-    code = run(module, words, root, print);
+    code = live ? await runWaiting(module, words, root, print, (length) => input.read(length))
+      : run(module, words, root, print);
   } catch (error) {
     // A trap: memory that is full, or a mistake of the program, which has said so.
     postMessage({ kind: "broken", reason: String(error) });
@@ -36,9 +68,6 @@ function work({ module, words, files }) {
 }
 
 onmessage = ({ data }) => {
-  try {
-    work(data);
-  } catch (error) {
-    postMessage({ kind: "broken", reason: String(error) });
-  }
+  if (data.input) input.push(data.input);
+  else work(data).catch((error) => postMessage({ kind: "broken", reason: String(error) }));
 };

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use crate::drive::{dbc, listen, replay, signing};
+use crate::drive::{dbc, demo, listen, replay, signing};
 use crate::identification::{grey_box, identify, structure, validate};
 use crate::recordings::{audit, convert, init, simulate};
 use crate::training::{confirm, evaluate, fleet, train};
@@ -33,6 +33,7 @@ pub(crate) enum Command {
     Confirm(confirm::Args),
     View(view::Args),
     Listen(listen::Args),
+    DemoDrive(demo::Args),
     Dbc(dbc::Args),
     Convert(Box<convert::Args>),
     Sign(signing::Args),
@@ -99,6 +100,7 @@ impl Command {
             | Self::Confirm(_)
             | Self::View(_)
             | Self::Listen(_)
+            | Self::DemoDrive(_)
             | Self::Dbc(_)
             | Self::Sign(_)
             | Self::Schema(_)
@@ -127,6 +129,7 @@ impl Command {
             Self::Confirm(args) => confirm::run(args),
             Self::View(args) => view::run(args),
             Self::Listen(args) => listen::run(args),
+            Self::DemoDrive(_) => demo::run(),
             Self::Dbc(args) => dbc::run(args),
             Self::Convert(args) => convert::run(args),
             Self::Sign(args) => signing::run(args),

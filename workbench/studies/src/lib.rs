@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`recipes`] | the configurations that the studies train |
 //! | [`demo`] | labelled traces of the standard rig, and one draw of the whole chain |
+//! | [`demo_drive`] | a drive of which the user sets what is wrong |
 //! | [`literal`] | the source's own method |
 //! | [`campaign`] | experiments over many conditions and repetitions |
 //! | [`ema`] | the actuator, from phase currents and resolver counts to verdicts |
@@ -17,6 +18,7 @@
 
 pub mod campaign;
 pub mod demo;
+pub mod demo_drive;
 pub mod ema;
 pub mod field;
 pub mod literal;

@@ -21,7 +21,7 @@ use build::{TARGET, program};
 
 /// Modules of the worker and of the page: each after those that it imports.
 const WORKER: [&str; 3] = ["files.js", "wasi.js", "worker.js"];
-const PAGE: [&str; 9] = [
+const PAGE: [&str; 10] = [
     "dom.js",
     "program.js",
     "texts.js",
@@ -30,6 +30,7 @@ const PAGE: [&str; 9] = [
     "runs.js",
     "description.js",
     "recordings.js",
+    "live.js",
     "page.js",
 ];
 /// Largest size of the page, in bytes.

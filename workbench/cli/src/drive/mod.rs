@@ -2,6 +2,7 @@
 
 pub(crate) mod can_id;
 pub(crate) mod dbc;
+pub(crate) mod demo;
 pub(crate) mod life;
 pub(crate) mod listen;
 pub(crate) mod replay;

@@ -51,9 +51,10 @@ pub(crate) const LISTEN: Form = Form {
     name: "listen",
     about: "One object a line; its kind tells which of the further keys it has",
     list: false,
-    keys: &[("kind", "string", "view, hello, report, trace or end; of a CAN bus segment, can or end")],
+    keys: &[("kind", "string", "view, page, news, hello, report, trace or end; of a CAN bus segment, can or end")],
     optional: &[
         ("address", "string", "view: address of the page"),
+        ("html", "string", "page and news, by --view -: the page, and what changes on it"),
         ("model_id", "integer", "hello: number of the model"),
         ("session", "integer", "hello: number of the session of the drive"),
         ("interval_s", "number?", "hello: sampling interval"),

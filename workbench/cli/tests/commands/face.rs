@@ -31,6 +31,7 @@ const COMMANDS: [&str; 24] = [
     "confirm",
     "view",
     "listen",
+    "demo-drive",
     "dbc",
     "convert",
     "schema",

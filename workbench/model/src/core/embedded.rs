@@ -59,7 +59,8 @@ impl Embedded {
         &self.model
     }
 
-    pub(super) fn feed<'a>(&self, trace: &'a Trace) -> Feed<'a> {
+    /// The samples of a trace, one at a time.
+    pub fn feed<'a>(&self, trace: &'a Trace) -> Feed<'a> {
         Feed::new(trace, &self.fields, self.model.plan().layout().needs_angle())
     }
 

@@ -3,7 +3,7 @@
 use bearing_watch::alarm::StateError;
 use bearing_watch::drive::Alignment;
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Detector, Evidence, Monitor};
+use bearing_watch::{Detector, Evidence, Monitor, Report};
 
 use super::embedded::Embedded;
 use super::segment::SegmentReport;
@@ -158,6 +158,18 @@ impl Stream<'_> {
         let segment = self.model.segment(self.monitor.report()?);
         let (start, length) = (self.start, self.taken - self.start);
         Some((SegmentReport { start, length, ..segment }, self.watched()))
+    }
+
+    /// The core's report on the last segment; `None` before the first.
+    #[must_use]
+    pub fn report(&self) -> Option<&Report<RunTime>> {
+        self.monitor.report()
+    }
+
+    /// The core's evidence.
+    #[must_use]
+    pub fn evidence(&self) -> &Evidence<RunTime> {
+        self.monitor.evidence()
     }
 
     fn watched(&self) -> AlarmState {

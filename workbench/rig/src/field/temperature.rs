@@ -1,6 +1,6 @@
 //! Temperature of winding, magnets and lubricant, and the warm-up within a record.
 //!
-//! Each record has a temperature `s`, uniform from 0 (cold) to 1 (hot):
+//! Each record has a temperature `s`, uniform in a range of 0 (cold) to 1 (hot):
 //!
 //! ```text
 //! R ← R (1 + ρ s)                                                (1)
@@ -19,7 +19,7 @@
 //!
 //! Within the record, with `w(t) = 1 − exp(−t/τ)`, R is multiplied by `1 + r w(t)` and B by `1 − b w(t)`   (5).
 
-use crate::{NoiseSource, RigError, not_negative, positive};
+use crate::{NoiseSource, RigError, fraction, not_negative, positive};
 
 /// Temperature of a cold drive, and of a hot one.
 const RANGE_C: [f64; 2] = [20.0, 100.0];
@@ -29,6 +29,8 @@ const NOISE_C: f64 = 0.5;
 /// Ranges of the effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Temperature {
+    /// Range of s: from 0 to 1, or narrower.
+    pub state: [f64; 2],
     /// ρ of (1), the rise of the resistance from cold to hot.
     pub resistance_rise: f64,
     /// δ of (2), the loss of flux from cold to hot.
@@ -75,6 +77,7 @@ pub struct TemperatureValues {
 impl Temperature {
     /// The ranges of the field.
     pub const FIELD: Self = Self {
+        state: [0.0, 1.0],
         resistance_rise: 0.4,
         flux_loss: 0.05,
         viscous_cold: 2.5,
@@ -87,6 +90,9 @@ impl Temperature {
     };
 
     pub(super) fn validate(&self) -> Result<(), RigError> {
+        for end in self.state {
+            fraction("field.temperature.state", end)?;
+        }
         not_negative("field.temperature.resistance_rise", self.resistance_rise)?;
         not_negative("field.temperature.flux_loss", self.flux_loss)?;
         positive("field.temperature.viscous_cold", self.viscous_cold)?;
@@ -100,7 +106,7 @@ impl Temperature {
     }
 
     pub(super) fn draw(&self, mut source: NoiseSource) -> TemperatureValues {
-        let state = source.uniform(0.0, 1.0);
+        let state = source.uniform(self.state[0], self.state[1]);
         let [cold, hot] = [self.viscous_cold, self.viscous_hot].map(libm::log);
         let scatter = self.viscous_scatter * source.gaussian();
         TemperatureValues {

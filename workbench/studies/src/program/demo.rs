@@ -126,6 +126,9 @@ fn lines(settings: &Settings, first: &Draw, rows: &[Row], page: &Path) -> Vec<St
         "With na = 2 a PCA to two components is an invertible map, which cannot change a linear discriminant.".into(),
     );
     lines.push(format!("\nPlots: {}", page.display()));
+    lines.push(
+        "To damage a simulated drive and see its alarm in a browser: cargo xtask web, then open its page.".into(),
+    );
     lines
 }
 

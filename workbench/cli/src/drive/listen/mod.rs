@@ -24,11 +24,12 @@ use crate::server::stop_flag;
 
 use crate::drive::can_id::CanId;
 use can::{Listener, Stream};
-use live::View;
+use live::{Place, View};
 use model::Error;
 use model::session::ModelFile;
 use names::Names;
 use receiver::{Output, Receiver};
+use source::Chunks;
 use traces::Traces;
 
 /// Longest content of a frame.
@@ -66,9 +67,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     further: Vec<String>,
     /// Also serve a page with the reports and samples as they come, on this port of 127.0.0.1; 0 is any free one. The
-    /// page stays after the end of the source, until --seconds or Ctrl-C
+    /// page stays after the end of the source, until --seconds or Ctrl-C. - prints the page and its news as JSON instead
     #[arg(long, value_name = "PORT")]
-    view: Option<u16>,
+    view: Option<Place>,
     /// Identifier of the frames of segments on a CAN bus; more than three digits are an extended one
     #[arg(long, value_name = "ID", value_parser = CanId::parse)]
     #[arg(conflicts_with_all = ["baud", "out", "further", "view"])]
@@ -123,10 +124,10 @@ fn frames(line: &Line<'_>, names: Option<Names>) -> Result<(), Error> {
     let args = line.args;
     let traces = args.out.as_deref().map(Traces::new).transpose()?;
     let mut decoder = Box::new(Decoder::<LONGEST>::new());
-    let view = args.view.map(|port| View::open(port, &line.stopped)).transpose()?;
+    let view = args.view.map(|place| View::open(place, &line.stopped)).transpose()?;
     let mut receiver = Receiver::new(Output::printed(args.json), traces, args.further.clone()).with_model(names);
     if let Some((view, address)) = view {
-        receiver.show(view, &address)?;
+        receiver.show(view, address)?;
     }
     let mut stream = args.can_stream.map(Stream::of);
     let failure = line.receive(|bytes| match &mut stream {
@@ -136,7 +137,7 @@ fn frames(line: &Line<'_>, names: Option<Names>) -> Result<(), Error> {
     if let Some(stream) = &mut stream {
         feed(&mut decoder, &stream.rest(), &mut receiver)?;
     }
-    while args.view.is_some() && failure.is_none() && line.goes_on() {
+    while matches!(args.view, Some(Place::Port(_))) && failure.is_none() && line.goes_on() {
         std::thread::sleep(PATIENCE);
     }
     let counts = decoder.counts();
@@ -175,10 +176,10 @@ impl Line<'_> {
 
     /// Takes the bytes of the source until its end, or the set one; returns why the source failed.
     fn receive(&self, mut take: impl FnMut(&[u8]) -> Result<(), Error>) -> Result<Option<Error>, Error> {
-        let chunks = source::open(&self.args.source, self.args.baud);
+        let mut chunks = Chunks::open(&self.args.source, self.args.baud);
         let mut failure = None;
         while self.goes_on() {
-            match chunks.recv_timeout(PATIENCE) {
+            match chunks.next(PATIENCE) {
                 Ok(Ok(bytes)) => take(&bytes)?,
                 Ok(Err(error)) => failure = Some(Error::io(&self.args.source)(error)),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -201,7 +202,7 @@ pub(crate) fn taken_log(bytes: &[u8], output: Output) -> Result<(), Error> {
 pub(crate) fn taken(bytes: &[u8], folder: &Path, output: Output) -> Result<(), Error> {
     let mut decoder = Box::new(Decoder::<LONGEST>::new());
     let mut receiver = Receiver::new(output, Some(Traces::new(folder)?), vec![]);
-    receiver.show(View::unserved(), "")?;
+    receiver.show(View::unserved(), None)?;
     feed(&mut decoder, bytes, &mut receiver)?;
     receiver.end(decoder.counts())
 }

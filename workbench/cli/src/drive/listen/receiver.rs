@@ -60,9 +60,10 @@ impl Receiver {
     }
 
     /// Shows what comes on a page too.
-    pub(super) fn show(&mut self, view: View, address: &str) -> Result<(), Error> {
+    pub(super) fn show(&mut self, view: View, address: Option<String>) -> Result<(), Error> {
         self.view = Some(view);
-        self.tell(report_text::view_line(address), report_text::view_value(address))
+        let Some(address) = address else { return Ok(()) };
+        self.tell(report_text::view_line(&address), report_text::view_value(&address))
     }
 
     pub(super) fn take(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
@@ -79,7 +80,7 @@ impl Receiver {
                 let names = Names::of(stream, &hello);
                 let names = self.model.iter().fold(names, Names::named_by);
                 if self.streams.hello(names.clone()) {
-                    self.view.iter_mut().for_each(|view| view.hello(&names));
+                    self.view.iter_mut().try_for_each(|view| view.hello(&names))?;
                     self.tell(report_text::hello_line(&names), report_text::hello_value(&names))?;
                 }
                 Ok(())
@@ -93,7 +94,7 @@ impl Receiver {
     fn report(&mut self, stream: u32, summary: &Summary<'_>) -> Result<(), Error> {
         let unknown = Names::default();
         let names = self.streams.of(stream).unwrap_or(&unknown);
-        self.view.iter().for_each(|view| view.report(names, summary));
+        self.view.iter_mut().try_for_each(|view| view.report(names, summary))?;
         self.tell(report_text::report_line(names, summary), report_text::report_value(names, summary))?;
         if summary.alarm != self.alarm {
             self.alarm = summary.alarm;
@@ -105,7 +106,7 @@ impl Receiver {
     }
 
     fn samples(&mut self, stream: u32, block: &Block<'_>) -> Result<(), Error> {
-        self.view.iter_mut().for_each(|view| view.samples(block));
+        self.view.iter_mut().try_for_each(|view| view.samples(block))?;
         let Some(traces) = &mut self.traces else { return Ok(()) };
         let shape = |names: &&Names| {
             (usize::from(block.channels), block.with_angle) == (names.channels.len(), names.with_angle)

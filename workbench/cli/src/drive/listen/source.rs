@@ -1,11 +1,12 @@
-//! The bytes of a serial port, a CAN interface, a file or a pipe, read by a thread of their own.
+//! The bytes of a serial port, a CAN interface, a file or a pipe, read by a thread of their own. In a browser there are
+//! no threads: the page waits with the program.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
-use std::sync::mpsc::{self, Receiver, SyncSender};
-use std::thread;
+use std::sync::mpsc::RecvTimeoutError;
 #[cfg(not(target_family = "wasm"))]
+use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::time::Duration;
 
 #[cfg(target_os = "linux")]
@@ -13,6 +14,7 @@ use super::bus;
 
 /// Bytes read at once, and how many such chunks wait.
 const CHUNK: usize = 4096;
+#[cfg(not(target_family = "wasm"))]
 const WAITING: usize = 64;
 /// A serial port returns after this time without a byte.
 #[cfg(not(target_family = "wasm"))]
@@ -20,25 +22,66 @@ const SILENCE: Duration = Duration::from_millis(100);
 
 type Chunk = io::Result<Vec<u8>>;
 
-/// Returns the chunks of a source. The channel closes at its end; an error is the last chunk.
-pub(super) fn open(source: &str, baud: u32) -> Receiver<Chunk> {
-    let (sender, receiver) = mpsc::sync_channel(WAITING);
-    let source = source.to_string();
-    // Not joined: a pipe may be silent forever, and the thread ends with the program.
-    thread::spawn(move || {
-        let read = match source.as_str() {
-            "-" => Ok(Box::new(io::stdin()) as Box<dyn Read>),
-            name if is_serial(name) => serial(name, baud),
-            #[cfg(target_os = "linux")]
-            name if bus::is_bus(name) => bus::Bus::open(name).map(|bus| Box::new(bus) as Box<dyn Read>),
-            name => File::open(name).map(|file| Box::new(file) as Box<dyn Read>),
+/// The chunks of a source: [`RecvTimeoutError::Disconnected`] is its end, after an error too.
+#[cfg(not(target_family = "wasm"))]
+pub(super) struct Chunks(Receiver<Chunk>);
+
+#[cfg(not(target_family = "wasm"))]
+impl Chunks {
+    pub(super) fn open(source: &str, baud: u32) -> Self {
+        let (sender, receiver) = mpsc::sync_channel(WAITING);
+        let source = source.to_string();
+        // Not joined: a pipe may be silent forever, and the thread ends with the program.
+        std::thread::spawn(move || {
+            let outcome = reader(&source, baud).and_then(|mut reader| pass_on(reader.as_mut(), &sender));
+            if let Err(error) = outcome {
+                let _listener_gone = sender.send(Err(error));
+            }
+        });
+        Self(receiver)
+    }
+
+    pub(super) fn next(&mut self, patience: Duration) -> Result<Chunk, RecvTimeoutError> {
+        self.0.recv_timeout(patience)
+    }
+}
+
+/// The same of a page's program.
+#[cfg(target_family = "wasm")]
+pub(super) struct Chunks(Option<io::Result<Box<dyn Read>>>);
+
+#[cfg(target_family = "wasm")]
+impl Chunks {
+    pub(super) fn open(source: &str, baud: u32) -> Self {
+        Self(Some(reader(source, baud)))
+    }
+
+    pub(super) fn next(&mut self, _patience: Duration) -> Result<Chunk, RecvTimeoutError> {
+        let mut buffer = vec![0; CHUNK];
+        let read = match self.0.take().ok_or(RecvTimeoutError::Disconnected)? {
+            Err(error) => return Ok(Err(error)),
+            Ok(mut reader) => reader.read(&mut buffer).map(|count| (count, reader)),
         };
-        let outcome = read.and_then(|mut reader| pass_on(reader.as_mut(), &sender));
-        if let Err(error) = outcome {
-            let _listener_gone = sender.send(Err(error));
+        match read {
+            Ok((0, _)) => Err(RecvTimeoutError::Disconnected),
+            Ok((count, reader)) => {
+                self.0 = Some(Ok(reader));
+                buffer.truncate(count);
+                Ok(Ok(buffer))
+            }
+            Err(error) => Ok(Err(error)),
         }
-    });
-    receiver
+    }
+}
+
+fn reader(source: &str, baud: u32) -> io::Result<Box<dyn Read>> {
+    match source {
+        "-" => Ok(Box::new(io::stdin())),
+        name if is_serial(name) => serial(name, baud),
+        #[cfg(target_os = "linux")]
+        name if bus::is_bus(name) => bus::Bus::open(name).map(|bus| Box::new(bus) as Box<dyn Read>),
+        name => File::open(name).map(|file| Box::new(file) as Box<dyn Read>),
+    }
 }
 
 #[cfg(target_family = "wasm")]
@@ -64,6 +107,7 @@ fn is_serial(name: &str) -> bool {
     !Path::new(name).exists() && name.to_ascii_uppercase().contains("COM")
 }
 
+#[cfg(not(target_family = "wasm"))]
 fn pass_on(reader: &mut dyn Read, sender: &SyncSender<Chunk>) -> io::Result<()> {
     let mut buffer = vec![0; CHUNK];
     loop {

@@ -3,10 +3,11 @@
 //! A file is complete or absent: it gets its name when its series has ended.
 
 use std::borrow::Cow;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use bearing_watch::telemetry::{Block, RawBlock};
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, PersistError};
 
 use super::names::Names;
 use super::raw;
@@ -162,7 +163,7 @@ impl Traces {
             let Track { prefix, number, .. } = track(self);
             let name = format!("{prefix}_{number:03}.csv");
             *number += 1;
-            match file.persist_noclobber(folder.join(&name)) {
+            match persist(file, &folder.join(&name)) {
                 Ok(_) => {
                     self.files += 1;
                     self.samples += samples;
@@ -177,6 +178,21 @@ impl Traces {
     fn error(&self, error: &csv::Error) -> Error {
         Error::Usage(format!("{}: {error}", self.folder.display()))
     }
+}
+
+/// Gives a file its name, unless another one has it.
+#[cfg(not(target_family = "wasm"))]
+fn persist(file: NamedTempFile, place: &Path) -> Result<File, PersistError> {
+    file.persist_noclobber(place)
+}
+
+/// The same without links: in a browser no other program takes the name meanwhile.
+#[cfg(target_family = "wasm")]
+fn persist(file: NamedTempFile, place: &Path) -> Result<File, PersistError> {
+    if place.exists() {
+        return Err(PersistError { error: std::io::ErrorKind::AlreadyExists.into(), file });
+    }
+    file.persist(place)
 }
 
 /// A count of the angle, rad.

@@ -56,8 +56,9 @@ pub(super) fn choose(own: &Estimates<'_>) -> Result<(Recipe, Automatic), Error> 
     let defects = defects::added(own, &situation)?;
     let judge = |recipe: &Recipe| power::of(own, recipe, &defects);
     let mut judged: Vec<Result<Power, Error>> = recipes.par_iter().map(judge).collect();
-    if judged.iter().all(Result::is_err) {
-        // So few runs support a gate of fewer features only.
+    let sees_friction = |(recipe, own): (&Recipe, &Result<Power, Error>)| own.is_ok() && !recipe.rising.is_empty();
+    if !recipes.iter().zip(&judged).any(sees_friction) {
+        // So few runs support a gate of fewer features only; one of orders alone would not see a dry bearing.
         let fewer = candidates::of_few(own, &situation);
         judged.extend(fewer.par_iter().map(judge).collect::<Vec<_>>());
         recipes.extend(fewer);
