@@ -69,7 +69,8 @@ impl<P: ShaftLengths> ShaftEstimate<P> {
         })
     }
 
-    /// The bearing orders, in the order of [`Tracking::orders`], amplitudes in A; zeros if there is a reason.
+    /// The bearing orders, in the order of [`Tracking::orders`](crate::model::Tracking::orders), amplitudes in A; zeros
+    /// if there is a reason.
     #[must_use]
     pub fn orders(&self) -> &[OrderStrength] {
         self.orders.cells()

@@ -10,7 +10,7 @@ use crate::common::{refuse, run, succeed};
 use crate::form::{fit, schema};
 
 /// The commands, with those below another one.
-const COMMANDS: [&str; 24] = [
+const COMMANDS: [&str; 25] = [
     "init",
     "audit",
     "simulate",

@@ -11,6 +11,7 @@ mod cogging_command;
 mod command_line;
 mod common;
 mod covariate_commands;
+mod demo_drive_command;
 mod drive_file_commands;
 mod evaluate_commands;
 mod export_commands;

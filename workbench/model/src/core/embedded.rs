@@ -60,6 +60,7 @@ impl Embedded {
     }
 
     /// The samples of a trace, one at a time.
+    #[must_use]
     pub fn feed<'a>(&self, trace: &'a Trace) -> Feed<'a> {
         Feed::new(trace, &self.fields, self.model.plan().layout().needs_angle())
     }
