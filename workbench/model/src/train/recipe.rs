@@ -55,6 +55,8 @@ pub struct Recipe {
     pub alarms: Alarms,
     /// Whether the detector also estimates the parameters of the difference model if no feature reads them.
     pub identify: bool,
+    /// Whether training takes the first recipe that can be trained, and does not look for the best.
+    pub trial: bool,
 }
 
 impl Recipe {
@@ -82,6 +84,7 @@ impl Recipe {
             cost: vec![],
             alarms: Alarms::default(),
             identify: false,
+            trial: false,
         }
     }
 

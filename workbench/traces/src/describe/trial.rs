@@ -46,7 +46,8 @@ pub(super) fn tried(found: &Found, values: &mut Values, (out, text): (&Path, &dy
             Memory { labels: Some(Arc::clone(&sample.labels)), ..Memory::default() }
         });
         let log = Log::new(&Quiet);
-        let train = || Session::new(settings.clone(), kept.given(given(&settings, memory)?)?, None)?.train(&log);
+        let train =
+            || Session::new(settings.clone(), kept.given(given(&settings, memory)?)?, None)?.of_trial().train(&log);
         train().map(drop).map_err(|error| error.to_string())
     };
     let (_, labels, classes) = &found.labels;

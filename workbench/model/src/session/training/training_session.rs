@@ -30,6 +30,7 @@ pub struct Session {
     plan: Option<ShaftPlan>,
     preparation: Preparation,
     drive: Option<String>,
+    trial: bool,
 }
 
 impl Session {
@@ -41,7 +42,14 @@ impl Session {
         let Reading { channels, shaft: plan, preparation, .. } = settings.reading(given.front_end.take())?;
         settings.check()?;
         let selection = Selection::new(&settings, given, channels.clone());
-        Ok(Self { settings, selection, channels, plan, preparation, drive })
+        Ok(Self { settings, selection, channels, plan, preparation, drive, trial: false })
+    }
+
+    /// The same for a trial, which takes the first recipe that can be trained: it tells in a fraction of the time
+    /// whether training refuses.
+    #[must_use]
+    pub fn of_trial(self) -> Self {
+        Self { trial: true, ..self }
     }
 
     /// Returns the files that are read; no output may replace them.
@@ -95,7 +103,7 @@ impl Session {
         let validation = crate::train::Validation { columns, doubted: true, ..validation };
         let park = settings.channels.park(&channels)?;
         let recipe = settings.recipe(&classes, plan.clone())?;
-        let mut recipe = Recipe { validation, park, columns: channels, ..recipe };
+        let mut recipe = Recipe { validation, park, columns: channels, trial: self.trial, ..recipe };
         recipe.alarms.by_run = !recipe.validation.groups.is_empty();
         if !temperatures.is_empty() {
             (recipe.covariates, recipe.offered) = (covariates(temperatures), true);

@@ -42,7 +42,12 @@ pub(super) fn choose(own: &Estimates<'_>) -> Result<(Recipe, Automatic), Error> 
         return classes::choose(own, &situation);
     }
     let mut recipes = candidates::with_and_without(candidates::of_gate(own, &situation));
-    if let [only] = &recipes[..] {
+    let only = match &recipes[..] {
+        [only] => Some(only),
+        _ if own.recipe.trial => recipes.iter().find(|recipe| power::is_possible(own, recipe)),
+        _ => None,
+    };
+    if let Some(only) = only {
         let why = Automatic {
             rivals: vec![Rival::of(only, None)],
             chosen: 0,

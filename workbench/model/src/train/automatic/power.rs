@@ -62,6 +62,12 @@ impl Judge {
     }
 }
 
+/// Whether the gate of a recipe can be trained.
+pub(super) fn is_possible(own: &Estimates<'_>, recipe: &Recipe) -> bool {
+    own.rows_of(recipe)
+        .is_ok_and(|Used { candidates, chosen, .. }| Judge::of(&candidates.select(&chosen), recipe).is_ok())
+}
+
 /// Judges a recipe.
 ///
 /// # Errors
