@@ -1,5 +1,7 @@
 //! What segments would have shown, in words.
 
+use bearing_watch::model::Feature;
+
 use super::coordinates::{in_words, is_order, quantity};
 use super::{Embedded, SegmentReport};
 
@@ -88,7 +90,17 @@ pub fn sentences(model: &Embedded, shown: &[Shown]) -> [String; 2] {
     let of = |found: bool, words: &dyn Fn(&Shown) -> String| -> Vec<String> {
         shown.iter().filter(|own| own.size.is_finite() == found).map(words).collect()
     };
-    [join(&of(true, &|own| own.found(model)), "or"), join(&of(false, &Shown::kind), "and")]
+    let mut unseen = of(false, &Shown::kind);
+    if reads_orders_alone(&model.model().constants().classifier.features) {
+        unseen.push("friction, which no feature reads".into());
+    }
+    [join(&of(true, &|own| own.found(model)), "or"), join(&unseen, "and")]
+}
+
+/// Whether features tell damage of the bearing's parts, and none a bearing that runs dry. A mean is a covariate.
+fn reads_orders_alone(features: &[Feature]) -> bool {
+    let is_order = |own: &Feature| matches!(own, Feature::OrderScore(_) | Feature::LogOrderAmplitude(_));
+    features.iter().any(is_order) && features.iter().all(|own| is_order(own) || matches!(own, Feature::ChannelMean(_)))
 }
 
 fn join(parts: &[String], last: &str) -> String {
@@ -106,6 +118,16 @@ mod tests {
     #[test]
     fn two_digits_count() {
         assert_eq!([0.010_62, 0.22, 12.4, 3.0, 0.000_045].map(significant), ["0.011", "0.22", "12", "3.0", "0.000045"]);
+    }
+
+    #[test]
+    fn orders_alone_see_no_friction() {
+        let (order, mean) = (Feature::OrderScore(0), Feature::ChannelMean(2));
+        let drag = Feature::Friction(bearing_watch::FrictionTerm::Drag);
+        assert_eq!(
+            [&[order, mean][..], &[order, drag], &[drag], &[]].map(reads_orders_alone),
+            [true, false, false, false]
+        );
     }
 
     #[test]
