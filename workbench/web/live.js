@@ -65,6 +65,12 @@ class Shown {
   }
 }
 
+/** Says how it stands with the drive. */
+function tell(text, isAlarm = false) {
+  by("live-said").textContent = text;
+  by("live-said").className = isAlarm ? "bad" : "";
+}
+
 const verdictOf = ({ segment, verdict, undetermined, alarm }) => {
   const told = undetermined ? `no verdict, because ${undetermined}` : verdict;
   return `Segment ${segment}: ${told}. ${alarm ? `ALARM: ${alarm.cause}.` : "No alarm."}`;
@@ -84,10 +90,7 @@ async function listener(words, files, terminal) {
       const told = JSON.parse(line);
       if (told.kind === "page") shown.page(told.html);
       else if (told.kind === "news") shown.news(told.html);
-      else if (told.kind === "report") {
-        by("live-said").textContent = verdictOf(told);
-        by("live-said").className = told.alarm ? "bad" : "";
-      }
+      else if (told.kind === "report") tell(verdictOf(told), Boolean(told.alarm));
     }
   };
   return program.start(words, { files, live: "text", onOut });
@@ -97,8 +100,7 @@ const VIEW = ["--view", "-", "--json"];
 
 async function startDemo() {
   setRunning(true, true);
-  by("live-said").textContent = "The drive learns what is healthy.";
-  by("live-said").className = "";
+  tell("The drive learns what is healthy.");
   const terminal = "echo spall=0.5 | bearing-watch demo-drive | bearing-watch listen - --view 0";
   const heard = await listener(["listen", "-", ...VIEW], [], terminal);
   let sent = 0, timer = null;
@@ -110,20 +112,19 @@ async function startDemo() {
     live: "bytes",
     onOut: (bytes) => heard.write(bytes),
     onWait: () => { timer = setTimeout(next, Math.max(0, sent + BETWEEN - performance.now())); },
-    onProgress: (text) => { by("live-said").textContent = `The drive is ${text} runs of other drives.`; },
+    onProgress: (text) => tell(`The drive is ${text}.`),
   });
-  const end = () => {
+  current = { end: drive.stop };
+  const ended = drive.ended.then((run) => {
     clearTimeout(timer);
-    drive.stop();
     heard.write(NO_BYTES);
-  };
-  current = { end };
-  drive.ended.then((run) => {
-    const reason = failure(run);
-    if (!run.stopped && reason) say(`demo-drive: ${reason}`, true);
-    heard.write(NO_BYTES);
+    return run;
   });
   await finished(heard);
+  drive.stop();
+  const run = await ended;
+  // What ended the drive is the reason of what `listen` says.
+  if (!run.stopped) say(`demo-drive: ${failure(run)}`, true);
 }
 
 /** Waits for the end of `listen`, and says what was wrong. */
@@ -150,8 +151,7 @@ async function connect() {
   if (!port) return;
   await port.open({ baudRate });
   setRunning(true);
-  by("live-said").textContent = "Nothing has come yet.";
-  by("live-said").className = "";
+  tell("Nothing has come yet.");
   const model = session.now.files.get(MODEL), named = model ? ["--model", MODEL] : [];
   const words = ["listen", "-", "--out", SAMPLES, ...named];
   const terminal = commandLine(["listen", "/dev/ttyACM0", "--baud", String(baudRate), "--view", "0", ...words.slice(2)]);

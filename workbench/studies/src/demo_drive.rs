@@ -30,7 +30,7 @@ use rig::{Condition, Defect, DefectKind, Scenario, simulate};
 const DRIVES: u32 = 20;
 const RUNS: u32 = 3;
 /// Records, each a segment, of a run.
-pub const RECORDS: u32 = 2;
+const RECORDS: u32 = 2;
 /// Records of training.
 pub const TRAINING: u32 = DRIVES * RUNS * RECORDS;
 /// The features that training chooses of this drive, which takes most of its time; and those that a defect only raises.
@@ -109,9 +109,9 @@ impl FromStr for Wrong {
                 "load" => wrong.load = number(0.0, 3.0)?,
                 "temperature" => wrong.temperature_c = number(COLD_C, HOT_C)?,
                 "fault" => {
-                    let found = Fault::ALL.iter().find(|(name, _)| *name == value);
+                    let fault = Fault::ALL.iter().find(|(name, _)| *name == value);
                     let names = Fault::ALL.map(|(name, _)| name).join(", ");
-                    wrong.fault = found.ok_or_else(|| refused(format!("a fault is one of {names}")))?.1;
+                    wrong.fault = fault.ok_or_else(|| refused(format!("a fault is one of {names}")))?.1;
                 }
                 _ => return Err(refused("the names are spall, roughness, load, temperature and fault".into())),
             }
@@ -255,8 +255,8 @@ mod tests {
         let ill = ["spall=0.5", "roughness=1", "spall=0.25 temperature=90 load=1.2"];
         for line in ill {
             let (segments, alarm) = watched(&model, &[(2, ""), (2, line)]);
-            let found = segments[4..].iter().filter(|own| !is_healthy(own)).count();
-            assert!(found >= 3, "{line}: {found} of 4");
+            let departing = segments[4..].iter().filter(|own| !is_healthy(own)).count();
+            assert!(departing >= 3, "{line}: {departing} of 4");
             assert!(alarm.alarm.is_some(), "{line}: {alarm:?}");
         }
         for fault in ["stuck-angle", "no-load", "reversed-current"] {

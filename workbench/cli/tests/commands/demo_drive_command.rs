@@ -36,13 +36,13 @@ fn a_spall_raises_the_alarm_in_two_runs_and_a_stuck_sensor_leaves_no_verdict() {
     // The page as lines: a new one when the first samples come, then what changes.
     let lines = succeed(dir, "listen frames.bin --view - --json");
     let schema = schema("listen");
-    let found: Vec<serde_json::Value> = lines.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    found.iter().for_each(|line| fit(&schema, line));
-    let kinds: Vec<&str> = found.iter().filter_map(|line| line["kind"].as_str()).collect();
+    let told: Vec<serde_json::Value> = lines.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    told.iter().for_each(|line| fit(&schema, line));
+    let kinds: Vec<&str> = told.iter().filter_map(|line| line["kind"].as_str()).collect();
     assert_eq!(kinds[..4], ["page", "hello", "page", "report"]);
     assert_eq!(kinds.iter().filter(|kind| **kind == "report").count(), 8);
     assert!(kinds[4..].iter().all(|kind| ["news", "report", "end"].contains(kind)), "{kinds:?}");
-    let last = found.iter().rfind(|line| line["kind"] == "news").expect("news");
+    let last = told.iter().rfind(|line| line["kind"] == "news").expect("news");
     assert!(last["html"].as_str().is_some_and(|html| html.contains("ALARM: 3.718 order has risen")), "{last}");
 }
 

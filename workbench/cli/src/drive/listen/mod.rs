@@ -67,7 +67,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     further: Vec<String>,
     /// Also serve a page with the reports and samples as they come, on this port of 127.0.0.1; 0 is any free one. The
-    /// page stays after the end of the source, until --seconds or Ctrl-C. - prints the page and its news as JSON instead
+    /// page stays after the end of the source, until --seconds or Ctrl-C. Instead of a port, - prints the page and its
+    /// news as JSON
     #[arg(long, value_name = "PORT")]
     view: Option<Place>,
     /// Identifier of the frames of segments on a CAN bus; more than three digits are an extended one

@@ -10,8 +10,8 @@
 //! current, S₀ that without the weight, each record with its own c and s: payload and start of the axis differ between
 //! records. The R with the largest (3) is taken if its (2) is at least a half in half of the records: a load that is no
 //! function of the position is not explained by one. A payload that changes while the axis rests moves o from one rest
-//! to the next: if one o does not do, each stretch between rests has its own, in S₀ as well. R is at most four times the
-//! travel of the longest record, where a sine is as good as a parabola, and so is any larger R.
+//! to the next: if one o does not do, each stretch between rests has its own, in S₀ as well. R is at most four times
+//! the travel of the longest record, where a sine is as good as a parabola, and so is any larger R.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
